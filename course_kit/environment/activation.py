@@ -1,0 +1,95 @@
+"""Gives every Python of the course's environment what sourcing a ROS 2 set-up file would give it.
+
+A .pth file calls activate() whenever that Python starts: in kernels, terminals, child processes and tests.
+What the user set is kept. Standard library only, and quick: it is part of every start.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping, MutableMapping
+from dataclasses import dataclass
+from pathlib import Path
+
+DISTRO = "jazzy"
+PROFILE = Path(__file__).with_name("fastdds_profile.xml")
+PATH_VARIABLES = ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
+PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+# Set by the ROS wheels when they restarted Python with their libraries on LD_LIBRARY_PATH.
+RESTARTED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
+
+
+@dataclass(frozen=True)
+class RosInstallation:
+    """A ROS 2 that the user sourced, as apt installs it to /opt/ros."""
+
+    prefix: Path
+    distro: str
+
+    def has_package(self, name: str) -> bool:
+        return (self.prefix / "share/ament_index/resource_index/packages" / name).exists()
+
+
+def split_paths(value: str) -> list[str]:
+    """The entries of a PATH-like variable, without the empty ones."""
+    return [entry for entry in value.split(os.pathsep) if entry]
+
+
+def installations(environ: Mapping[str, str]) -> list[RosInstallation]:
+    """Every ROS 2 with rclpy on AMENT_PREFIX_PATH that is not a Python environment like ours."""
+    found = []
+    for prefix in map(Path, split_paths(environ.get("AMENT_PREFIX_PATH", ""))):
+        installation = RosInstallation(prefix, environ.get("ROS_DISTRO", prefix.name))
+        if installation.has_package("rclpy") and not (prefix / "pyvenv.cfg").exists():
+            found.append(installation)
+    return found
+
+
+def sourced_ros(environ: Mapping[str, str]) -> RosInstallation | None:
+    """The sourced ROS 2 Jazzy, or None. The course uses it instead of the wheels."""
+    return next((ros for ros in installations(environ) if ros.distro == DISTRO), None)
+
+
+def has_ros_wheels(prefix: str) -> bool:
+    """Whether the wheels of ROS 2 are installed in a Python environment."""
+    return Path(prefix, "share/ament_index/resource_index/packages/rclpy").exists()
+
+
+def user_domain(uid: int) -> int:
+    """A domain for each user of a machine: 1 to 100, never everybody's default of 0."""
+    return 1 + uid % 100
+
+
+def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.environ) -> None:
+    """Complete the environment of this process for ROS 2."""
+    if has_ros_wheels(prefix):
+        _leave_installations(environ)
+        _prepend(environ, "AMENT_PREFIX_PATH", prefix)
+        # A process started from another Python environment with ROS wheels has only that one's libraries.
+        if os.path.join(prefix, "lib") not in split_paths(environ.get("LD_LIBRARY_PATH", "")):
+            environ.pop(RESTARTED, None)
+    environ["COURSE_KIT_PREFIX"] = prefix
+    _prepend(environ, "PATH", os.path.join(prefix, "bin"))
+    if "ROS_LOCALHOST_ONLY" not in environ:
+        environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    environ.setdefault("ROS_DOMAIN_ID", str(user_domain(os.getuid())))
+    own_profile = Path("DEFAULT_FASTRTPS_PROFILES.xml").exists()
+    if not own_profile and not any(environ.get(name) for name in PROFILE_VARIABLES):
+        environ[PROFILE_VARIABLES[0]] = str(PROFILE)
+
+
+def _leave_installations(environ: MutableMapping[str, str]) -> None:
+    """Take sourced ROS 2 installations out of the environment: their libraries and the wheels' do not mix."""
+    prefixes = [str(ros.prefix) + os.sep for ros in installations(environ)]
+    for name in PATH_VARIABLES if prefixes else ():
+        entries = split_paths(environ.get(name, ""))
+        kept = [e for e in entries if not (e + os.sep).startswith(tuple(prefixes))]
+        if kept != entries:
+            environ[name] = os.pathsep.join(kept)
+            environ.pop(RESTARTED, None)
+
+
+def _prepend(environ: MutableMapping[str, str], name: str, entry: str) -> None:
+    others = [e for e in split_paths(environ.get(name, "")) if e != entry]
+    environ[name] = os.pathsep.join([entry, *others])

@@ -1,0 +1,117 @@
+"""What happens at `pip install`: dependencies from the lock, and the ROS interfaces compiled into the wheel."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT))
+
+from course_kit.environment import pins  # noqa: E402
+from course_kit.environment.activation import sourced_ros  # noqa: E402
+from course_kit.interfaces import rosidl  # noqa: E402
+
+DEFINITIONS = ROOT / "course_kit" / "interfaces"
+PREFIX = ROOT / "course_kit" / "environment" / "prefix"
+# The generators and the linker need these; their versions are those of the lock.
+BUILD_WHEELS = (
+    "ros-rosidl-generator-py",
+    "ros-rosidl-typesupport-fastrtps-c",
+    "ros-action-msgs",
+    "empy",
+    "numpy",
+)
+ZIG = "ziglang==0.17.0"  # a whole C++ compiler in a wheel, for machines that have none
+
+
+class Dependencies(MetadataHookInterface):
+    """`dependencies` of the project: every pin of the lock, without ROS 2 where a sourced one is used."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        metadata["dependencies"] = pins.requirements(with_ros=sourced_ros(os.environ) is None)
+
+
+class Interfaces(BuildHookInterface):
+    """Compile the interface packages that no sourced ROS 2 brings, for the Python that runs this."""
+
+    def packages(self) -> dict[str, Path]:
+        """{name: folder} of what has to be compiled."""
+        ros = sourced_ros(os.environ)
+        names = sorted(path.parent for path in DEFINITIONS.glob("*/package.xml"))
+        return {p.name: p for p in names if ros is None or not ros.has_package(p.name)}
+
+    def dependencies(self) -> list[str]:
+        if not self.packages():
+            return []
+        wheels = pins.versions(BUILD_WHEELS)
+        has_compiler = shutil.which("c++") or "CXX" in os.environ
+        return wheels if has_compiler else [*wheels, ZIG]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        work = ROOT / "build" / f"rosidl-{sysconfig.get_config_var('SOABI')}"
+        work.mkdir(parents=True, exist_ok=True)
+        include, shared = self._startup(work), build_data["shared_data"]
+        for path in sorted(p for p in PREFIX.rglob("*") if p.is_file()):
+            shared[str(path)] = str(path.relative_to(PREFIX))
+        packages = self.packages()
+        if packages:
+            for name, folder in self._compiled(packages, work).items():
+                modules = [p for p in sorted(folder.rglob("*")) if p.suffix in (".py", ".so")]
+                include |= {str(p): f"{name}/{p.relative_to(folder)}" for p in modules}
+                shared |= self._share(name, packages[name], work)
+            self._force_platform_tag(build_data)
+        build_data["shared_data"] = shared
+        build_data["force_include_editable" if version == "editable" else "force_include"].update(include)
+
+    @staticmethod
+    def _startup(work: Path) -> dict[str, str]:
+        """The .pth file that gives every Python of the environment what sourcing would."""
+        # Python reads .pth files in the order of their names: after the editable install's own, which starts
+        # with an underscore, and before ros_wheels_bootstrapper.pth, which restarts Python.
+        path = work / "course_kit_environment.pth"
+        path.write_text("import course_kit.environment.activation as a; a.activate()\n")
+        return {str(path): path.name}
+
+    def _compiled(self, packages: dict[str, Path], work: Path) -> dict[str, Path]:
+        """Compile, unless the same definitions were compiled before."""
+        digest = hashlib.sha256(Path(rosidl.__file__).read_bytes())
+        for path in sorted(p for folder in packages.values() for p in folder.rglob("*") if p.is_file()):
+            digest.update(str(path).encode() + path.read_bytes())
+        digest.update("".join(pins.versions(BUILD_WHEELS)).encode())
+        stamp = work / "stamp"
+        if stamp.exists() and stamp.read_text() == digest.hexdigest():
+            return {name: work / "rosidl_generator_py" / name for name in packages}
+        self.app.display_info(f"compiling ROS 2 interfaces: {', '.join(packages)}")
+        built = rosidl.build(packages, work)
+        stamp.write_text(digest.hexdigest())
+        return built
+
+    @staticmethod
+    def _share(name: str, source: Path, work: Path) -> dict[str, str]:
+        """share/<package> and the ament index, as a package built by colcon has them."""
+        files = sorted(p for kind in rosidl.KINDS for p in (source / kind).glob(f"*.{kind}"))
+        share = {str(p): f"share/{name}/{p.relative_to(source)}" for p in [*files, source / "package.xml"]}
+        generated = work / "share" / name
+        share |= {str(p): f"share/{name}/{p.relative_to(generated)}" for p in sorted(generated.rglob("*.*"))}
+        listing = "".join(f"{p.relative_to(source)}\n" for p in files)
+        for kind, text in (("packages", ""), ("rosidl_interfaces", listing)):
+            marker = work / f"{kind}-{name}"
+            marker.write_text(text)
+            share[str(marker)] = f"share/ament_index/resource_index/{kind}/{name}"
+        return share
+
+    def _force_platform_tag(self, build_data: dict[str, Any]) -> None:
+        """Mark the wheel as made for this Python, so that another one compiles again."""
+        builder = self.build_config.builder
+        tag = builder.get_best_matching_tag()
+        build_data.update(pure_python=False, tag=tag)
+        builder.get_default_tag = lambda: tag  # editable wheels ignore build_data["tag"]
