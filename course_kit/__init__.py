@@ -1,1 +1,43 @@
-"""What the notebooks of the course stand on."""
+"""What the notebooks of the course stand on: nodes in the background, recordings, plots, the turtle.
+
+Importing this package starts nothing and is quick; each name below is loaded when it is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from typing import Any
+
+# Where each public name comes from.
+EXPORTS = {
+    "run": "background",
+    "running": "background",
+    "stop": "background",
+    "nodes": "background",
+    "wait_for": "waiting",
+    "logs": "rosout",
+}
+__all__ = sorted(EXPORTS)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in EXPORTS:
+        raise AttributeError(f"module 'course_kit' has no attribute {name!r}")
+    importlib.import_module("course_kit.guards").install()
+    if _in_kernel():
+        importlib.import_module("course_kit.live.console").attach()
+    value = getattr(importlib.import_module(f"course_kit.{EXPORTS[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def _in_kernel() -> bool:
+    """Whether a Jupyter kernel runs this, without importing Jupyter where none is."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    return shell is not None and hasattr(shell, "kernel")
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *EXPORTS]

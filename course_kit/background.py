@@ -1,0 +1,235 @@
+"""Runs nodes in the background of a notebook: run, stop, wait_for.
+
+What `rclpy.init(); rclpy.spin(node)` is in a program of its own, `run(Talker)` is in a cell. Each node has an
+executor and a thread of its own, as it would have a process of its own on a robot: a callback that blocks stalls
+its own node and no other.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import itertools
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from rclpy.executors import Executor
+from rclpy.node import Node
+
+from course_kit import context, errors, rosout
+from course_kit.spinning import SpinThread, executor_for
+
+NodeType = TypeVar("NodeType", bound=Node)
+# Python lets a busy cell keep the interpreter for 5 ms before a callback gets its turn; a tenth of that halves the
+# delay of timers beside a busy cell.
+SWITCH_INTERVAL = 0.0005
+
+
+@dataclass(frozen=True)
+class _Running:
+    """A node in the background."""
+
+    node: Node
+    name: str  # fully qualified
+    made_from: tuple[str, ...]  # the class and arguments that run() was given
+    spinning: SpinThread
+    start: int  # which start of the ROS context it belongs to
+
+
+_lock = threading.RLock()
+_running: dict[str, _Running] = {}
+_listeners: list[Callable[[str, str], None]] = []
+_constructing = threading.local()
+
+
+def listen(listener: Callable[[str, str], None]) -> None:
+    """Have `listener(event, node name)` called on each event: "starting", "running", "failed", "stopped"."""
+    if listener not in _listeners:
+        _listeners.append(listener)
+
+
+def _tell(event: str, name: str) -> None:
+    for listener in _listeners:
+        listener(event, name)
+
+
+def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = None, **kwargs: Any) -> NodeType:
+    """Run a node in the background and return it.
+
+    Hand over the class, with the constructor's arguments if it has any: `run(Talker)`. An earlier node of the same
+    name or from the same class and arguments is destroyed first, so a cell can be run again. A node that exists
+    already can be handed over too. `executor` is an rclpy executor for this node alone, such as a
+    MultiThreadedExecutor; without one the node has a single thread. Raises TypeError for what is neither a Node class nor a node.
+    """
+    start = context.start()
+    rosout.collect()
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    _forget_ended(start)
+    made_from: tuple[str, ...] = ()
+    if isinstance(node, Node):
+        if args or kwargs:
+            raise TypeError("arguments are for the constructor: run(NodeClass, ...), not for a node that exists")
+        made: Node = node
+        _replace(made.get_fully_qualified_name(), unless=made)
+        if is_running(made):
+            return node  # type: ignore[return-value]
+    else:
+        made_from = _recipe(node, args, kwargs)
+        for earlier in [r for r in _running.values() if r.made_from == made_from]:
+            stop(earlier.node)
+        made = _construct(node, args, kwargs)
+    name = made.get_fully_qualified_name()
+    _replace(name, unless=made)
+    errors.clear(name)
+    _tell("starting", name)
+    own = executor_for(made) if executor is None else executor
+    spinning = SpinThread(name, own, lambda error: errors.report(name, error))
+    with _lock:
+        _running[name] = _Running(made, name, made_from, spinning, start)
+    own.add_node(made)
+    spinning.start()
+    _tell("running", name)
+    return made  # type: ignore[return-value]
+
+
+def _recipe(node: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[str, ...]:
+    """What identifies a node made by the same call again, also after its class was redefined."""
+    if isinstance(node, type) and not issubclass(node, Node):
+        raise TypeError(
+            f"run() takes a class derived from rclpy.node.Node, and {node.__name__} is not one. "
+            f"Write: class {node.__name__}(Node)"
+        )
+    if not callable(node):
+        raise TypeError(f"run() takes a Node class or a node, not {type(node).__name__}. Write: run(Talker)")
+    name = f"{getattr(node, '__module__', '')}.{getattr(node, '__qualname__', repr(node))}"
+    return (name, repr(args), repr(sorted(kwargs.items())))
+
+
+class _Replacing(Node):
+    """Stands between a student's class and Node: destroys an earlier node of the name before the new one exists.
+
+    Were the new one constructed first, rcl would refuse it a /rosout publisher and its log lines would be lost.
+    """
+
+    def __init__(self, node_name: str, *args: Any, **kwargs: Any) -> None:
+        namespace = (kwargs.get("namespace") or "").strip("/")
+        _replace("/" + "/".join(part for part in (namespace, node_name) if part))
+        _constructing.node = self
+        super().__init__(node_name, *args, **kwargs)
+
+
+def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Node:
+    """Make the node; if its constructor fails, nothing of it stays in the graph."""
+    make = node
+    if isinstance(node, type):
+        make = type(node.__name__, (node, _Replacing), {"__module__": node.__module__, "__doc__": node.__doc__})
+    _constructing.node = None
+    try:
+        made = make(*args, **kwargs)
+    except BaseException:
+        half_made = _constructing.node
+        if half_made is not None and hasattr(half_made, "_Node__node"):
+            half_made.destroy_node()
+        raise
+    finally:
+        _constructing.node = None
+    if not isinstance(made, Node):
+        raise TypeError(f"run() got a callable that returned {type(made).__name__}, not a node")
+    return made
+
+
+def _replace(name: str, unless: Node | None = None) -> None:
+    with _lock:
+        earlier = _running.get(name)
+    if earlier is not None and earlier.node is not unless:
+        stop(earlier.node)
+
+
+def _forget_ended(start: int) -> None:
+    """Drop the nodes of a context that has ended since: rclpy.shutdown() took them with it."""
+    with _lock:
+        ended = [r for r in _running.values() if r.start != start or not r.spinning.is_alive]
+        for entry in ended:
+            del _running[entry.name]
+    for entry in ended:
+        _end(entry)
+
+
+def stop(*which: Node | str | type[Node]) -> None:
+    """Stop and destroy nodes: given by themselves, by name or by class; without argument, all of them.
+
+    A callback that still runs is interrupted. Stopping a stopped node does nothing. Raises ValueError for a name
+    that does not run.
+    """
+    for entry in [r for one in which for r in _select(one)] if which else list(_running.values()):
+        with _lock:
+            if _running.get(entry.name) is not entry:
+                continue
+            del _running[entry.name]
+        _end(entry)
+
+
+def _select(which: Node | str | type[Node]) -> list[_Running]:
+    with _lock:
+        running = list(_running.values())
+    if isinstance(which, Node):
+        return [r for r in running if r.node is which]
+    if isinstance(which, type):
+        return [r for r in running if which.__qualname__ in {c.__qualname__ for c in type(r.node).__mro__[:-1]}]
+    name = "/" + which.strip("/")
+    found = [r for r in running if r.name == name]
+    if not found:
+        names = [r.name for r in running]
+        near = difflib.get_close_matches(name, names, n=1)
+        hint = f" Did you mean {near[0]}?" if near else f" Running: {', '.join(names) or 'none'}."
+        raise ValueError(f"no node {name} runs in the background of this notebook.{hint}")
+    return found
+
+
+def _end(entry: _Running) -> None:
+    """End the thread first, then destroy: a node that is destroyed while it is waited on raises InvalidHandle."""
+    entry.spinning.stop()
+    executor = entry.spinning.executor
+    with contextlib.suppress(Exception):  # a student may have destroyed it, or the whole context
+        executor.remove_node(entry.node)
+    with contextlib.suppress(Exception):
+        entry.node.destroy_node()
+    with contextlib.suppress(Exception):
+        executor.shutdown(timeout_sec=0.5)
+    _tell("stopped", entry.name)
+
+
+def executor_of(node: Node) -> Executor | None:
+    """The executor that spins a node in the background, or None."""
+    for entry in list(_running.values()):
+        if entry.node is node and entry.spinning.is_alive:
+            return entry.spinning.executor
+    return None
+
+
+def is_running(node: Node) -> bool:
+    """Whether a node runs in the background."""
+    return executor_of(node) is not None
+
+
+def nodes() -> list[Node]:
+    """The nodes that run in the background, in the order in which they were started."""
+    return [r.node for r in list(_running.values()) if r.spinning.is_alive]
+
+
+@contextlib.contextmanager
+def running(*classes: Callable[..., Node], **kwargs: Any) -> Iterator[Any]:
+    """Run nodes for the length of a `with` block; gives the node, or a tuple of them if there are several."""
+    started: list[Node] = []
+    try:
+        started.extend(itertools.chain(run(one, **kwargs) for one in classes))
+        yield started[0] if len(started) == 1 else tuple(started)
+    finally:
+        for node in reversed(started):
+            stop(node)
+
+
+context.before_stop(stop)

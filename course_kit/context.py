@@ -1,0 +1,62 @@
+"""The one ROS context of this process: started when something needs it, ended before Python does."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import threading
+from collections.abc import Callable
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
+
+# Callbacks run outside any cell, so nothing they log may go to a cell's output: logs travel over /rosout alone.
+ARGUMENTS = ["--ros-args", "--disable-external-lib-logs", "--disable-stdout-logs"]
+
+_lock = threading.RLock()
+_starts = 0
+_owner = 0
+_closers: list[Callable[[], None]] = []
+_plain_init = rclpy.init
+
+
+def start(args: list[str] | None = None, domain_id: int | None = None) -> int:
+    """Start ROS unless it runs already; return how many times this process has started it.
+
+    `args` and `domain_id` are those of rclpy.init(). A context that rclpy.init() made is adopted; its signal
+    handlers go, because in a kernel an interrupt is meant for the cell and not for ROS.
+    """
+    global _starts, _owner
+    with _lock:
+        if rclpy.ok():
+            if _starts == 0:
+                uninstall_signal_handlers()
+                _starts = 1
+        else:
+            arguments = [*(args or []), *ARGUMENTS]
+            _plain_init(args=arguments, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
+            _starts += 1
+        if _owner != os.getpid():
+            _owner = os.getpid()
+            atexit.unregister(stop)
+            atexit.register(stop)
+        return _starts
+
+
+def before_stop(closer: Callable[[], None]) -> None:
+    """Have `closer` called before the context ends; the one registered last comes first."""
+    with _lock:
+        if closer not in _closers:
+            _closers.append(closer)
+
+
+def stop() -> None:
+    """End every executor thread, then the context. Safe to call twice; a forked child leaves it alone."""
+    with _lock:
+        if _owner != os.getpid():
+            return
+        for closer in reversed(_closers):
+            with contextlib.suppress(Exception):  # one part that cannot end must not keep the others
+                closer()
+        rclpy.try_shutdown()

@@ -1,0 +1,108 @@
+"""A small console under the cell that started a node: its state, its last log lines, its callbacks' errors."""
+
+from __future__ import annotations
+
+import html
+import threading
+from collections import deque
+
+from IPython.display import DisplayHandle, display
+
+from course_kit import background, context, errors, rosout
+
+LAST_LINES = 8
+# Seconds between two updates of a console: a node may log a thousand times a second.
+PERIOD = 0.25
+STATES = {"starting": "▶", "running": "▶", "stopped": "■"}
+
+
+class Console:
+    """What is shown for one node."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.state = "running"
+        self.lines: deque[rosout.LogLine] = deque(maxlen=LAST_LINES)
+        self._handle: DisplayHandle | None = display(self.bundle(), raw=True, display_id=True)
+
+    def bundle(self) -> dict[str, str]:
+        """The console as plain text and as HTML."""
+        failures = errors.errors(self.name)[-2:]
+        head = f"{STATES[self.state]} {self.name} {self.state}"
+        text = [head, *(f"  {line}" for line in self.lines), *(f"✘ {error}" for error in failures)]
+        shown = [f"<b>{html.escape(head)}</b>\n", *(rosout.html_line(line) for line in self.lines)]
+        shown += [f"<span style='color:#dc322f'>✘ {html.escape(str(error))}</span>\n" for error in failures]
+        return {
+            "text/plain": "\n".join(text),
+            "text/html": f"<pre class='course-kit-console' style='margin:0'>{''.join(shown)}</pre>",
+        }
+
+    def update(self) -> None:
+        """Show the present state in the cell where the console stands."""
+        if self._handle is not None:
+            self._handle.update(self.bundle(), raw=True)
+
+
+_consoles: dict[str, Console] = {}
+_changed: set[Console] = set()
+_wake = threading.Event()
+_ending = threading.Event()
+_updater: threading.Thread | None = None
+
+
+def attach() -> None:
+    """Show a console for each node that runs from now on."""
+    background.listen(_on_event)
+    errors.listen(_on_error)
+    rosout.listen(_on_line)
+    context.before_stop(_end)
+
+
+def _on_event(event: str, name: str) -> None:
+    if event == "starting":
+        _consoles[name] = Console(name)
+    elif name in _consoles:
+        _consoles[name].state = event
+        if event == "stopped":
+            _mark(name)
+
+
+def _on_error(error: errors.CallbackError) -> None:
+    _mark(error.node)
+
+
+def _on_line(line: rosout.LogLine) -> None:
+    console = _consoles.get(line.node)
+    if console is not None:
+        console.lines.append(line)
+        _mark(line.node)
+
+
+def _mark(name: str) -> None:
+    """Have a console updated soon."""
+    global _updater
+    console = _consoles.get(name)
+    if console is None:
+        return
+    _changed.add(console)
+    _wake.set()
+    if _updater is None or not _updater.is_alive():
+        _ending.clear()
+        _updater = threading.Thread(target=_keep_updated, name="course_kit consoles", daemon=True)
+        _updater.start()
+
+
+def _keep_updated() -> None:
+    while not _ending.is_set():
+        _wake.wait()
+        _wake.clear()
+        while _changed:
+            _changed.pop().update()
+        _ending.wait(PERIOD)
+
+
+def _end() -> None:
+    _ending.set()
+    _wake.set()
+    if _updater is not None:
+        _updater.join(1.0)

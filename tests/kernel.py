@@ -1,0 +1,84 @@
+"""A real Jupyter kernel for tests: runs cells and tells which output arrived for which cell."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable
+from queue import Empty
+from typing import Any
+
+from jupyter_client.manager import KernelManager
+
+Message = dict[str, Any]
+
+
+class Kernel:
+    """One kernel with its client; every message that it published is kept."""
+
+    def __init__(self) -> None:
+        self.manager = KernelManager(kernel_name="python3")
+        self.manager.start_kernel()
+        self.connect()
+
+    def connect(self) -> None:
+        """Open the channels; also after a restart."""
+        self.client = self.manager.client()
+        self.client.start_channels()
+        self.client.wait_for_ready(timeout=60)
+        self.messages: list[Message] = []
+
+    def close(self) -> None:
+        self.client.stop_channels()
+        self.manager.shutdown_kernel(now=True)
+
+    def send(self, code: str) -> str:
+        """Start a cell; return its message id."""
+        return self.client.execute(code)
+
+    def run(self, code: str, timeout: float = 30.0) -> str:
+        """Run a cell to its end; return its message id. AssertionError if it raised."""
+        cell = self.send(code)
+        self.finish(cell, timeout)
+        errors = [m["content"] for m in self.of(cell) if m["msg_type"] == "error"]
+        assert not errors, "\n".join(errors[0]["traceback"])
+        return cell
+
+    def finish(self, cell: str, timeout: float = 30.0) -> None:
+        """Wait until a cell has ended."""
+        self.until(lambda: any(m["content"].get("execution_state") == "idle" for m in self.of(cell)), timeout)
+
+    def until(self, condition: Callable[[], Any], timeout: float = 10.0) -> Any:
+        """Collect messages until a condition holds; return its value."""
+        deadline = time.monotonic() + timeout
+        while not (value := condition()):
+            assert time.monotonic() < deadline, f"not within {timeout} s; messages: {self.messages[-5:]}"
+            with contextlib.suppress(Empty):
+                self.messages.append(self.client.get_iopub_msg(timeout=0.1))
+        return value
+
+    def of(self, cell: str) -> list[Message]:
+        """The messages that belong to a cell."""
+        return [m for m in self.messages if m["parent_header"].get("msg_id") == cell]
+
+    def text(self, cell: str) -> str:
+        """What a cell printed and displayed, as it was first shown."""
+        parts = []
+        for message in self.of(cell):
+            content = message["content"]
+            if message["msg_type"] == "stream":
+                parts.append(content["text"])
+            elif message["msg_type"] in ("display_data", "execute_result"):
+                parts.append(content["data"]["text/plain"])
+        return "".join(parts)
+
+    def shown(self, cell: str) -> str:
+        """The newest content of what a cell displayed, with the updates that came since."""
+        first = next(m["content"] for m in self.of(cell) if m["msg_type"] == "display_data")
+        identity = first["transient"]["display_id"]
+        updates = [
+            m["content"]
+            for m in self.messages
+            if m["msg_type"] == "update_display_data" and m["content"]["transient"]["display_id"] == identity
+        ]
+        return [first, *updates][-1]["data"]["text/plain"]
