@@ -84,6 +84,7 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
     name = made.get_fully_qualified_name()
     _replace(name, unless=made)
     errors.clear(name)
+    errors.reporting.add(name)
     _tell("starting", name)
     own = executor_for(made) if executor is None else executor
     spinning = SpinThread(name, own, lambda error: errors.report(name, error))
@@ -125,7 +126,8 @@ def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[st
     """Make the node; if its constructor fails, nothing of it stays in the graph."""
     make = node
     if isinstance(node, type):
-        make = type(node.__name__, (node, _Replacing), {"__module__": node.__module__, "__doc__": node.__doc__})
+        bases = (_Replacing,) if node is Node else (node, _Replacing)
+        make = type(node.__name__, bases, {"__module__": node.__module__, "__doc__": node.__doc__})
     _constructing.node = None
     try:
         made = make(*args, **kwargs)

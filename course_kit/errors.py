@@ -56,6 +56,8 @@ def _is_plumbing(path: Path) -> bool:
     return "rclpy" in path.parts or path.parent == PACKAGE
 
 
+# Nodes of this process, whose errors are reported here.
+reporting: set[str] = set()
 _errors: deque[CallbackError] = deque(maxlen=KEPT)
 _listeners: list[Callable[[CallbackError], None]] = []
 _lock = threading.Lock()

@@ -61,10 +61,18 @@ def _receive(serialised: bytes, _info: Any) -> None:
     when = message.stamp.sec + message.stamp.nanosec * 1e-9
     # A logger's name separates namespaces by dots; a child logger counts as its node's.
     line = LogLine(when, message.level, "/" + message.name.replace(".", "/"), message.msg)
+    if _repeats_an_error(line):
+        return
     with _lock:
         _lines.append(line)
     for listener in list(_listeners):
         listener(line)
+
+
+def _repeats_an_error(line: LogLine) -> bool:
+    """Whether rclpy's EventsExecutor logs an exception here that is reported as a CallbackError already."""
+    marks = {50: "Exception in '", 30: "Error occurred at:"}
+    return line.node in errors.reporting and line.text.startswith(marks.get(line.level, "\0"))
 
 
 class LogLines(list[LogLine]):
