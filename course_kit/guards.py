@@ -29,18 +29,19 @@ def install() -> None:
     """Put the guards in place, once."""
     if getattr(rclpy.init, "guarded", False):
         return
-    for name, guard in {
+    guards: dict[str, Any] = {
         "init": _init,
         "spin": _spin,
         "spin_until_future_complete": _spin_until_future_complete,
-    }.items():
+    }
+    for name, guard in guards.items():
         plain = getattr(rclpy, name)
         functools.update_wrapper(guard, plain)
-        guard.guarded = True  # type: ignore[attr-defined]
+        guard.guarded = True
         setattr(rclpy, name, guard)
-    Executor.add_node = _add_node  # type: ignore[method-assign]
-    Client.call = _refusing(Client.call, "client.call()")  # type: ignore[method-assign]
-    ActionClient.send_goal = _refusing(ActionClient.send_goal, "send_goal()")
+    setattr(Executor, "add_node", _add_node)  # noqa: B010  (mypy would take it for a mistake)
+    setattr(Client, "call", _refusing(Client.call, "client.call()"))  # noqa: B010
+    setattr(ActionClient, "send_goal", _refusing(ActionClient.send_goal, "send_goal()"))  # noqa: B010
 
 
 _plain_init = rclpy.init

@@ -8,6 +8,7 @@ import ctypes
 import inspect
 import threading
 from collections.abc import Callable
+from typing import Any
 
 from rclpy.executors import Executor, ExternalShutdownException, ShutdownException, SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
@@ -26,7 +27,7 @@ class BlockingWait(RuntimeError):  # noqa: N818
     """A callback tried to wait for something that only its own executor could deliver."""
 
 
-class NodeStopped(BaseException):  # noqa: N818
+class NodeStopped(BaseException):
     """Raised inside a callback that still runs when its node is stopped."""
 
 
@@ -37,7 +38,7 @@ def executor_for(node: Node) -> Executor:
     threads, but does not look at callback groups. In one thread they matter to `async def` callbacks alone, so a
     node that has one gets the SingleThreadedExecutor, and waits here where it would wait on a robot.
     """
-    entities = [*node.subscriptions, *node.timers, *node.services]
+    entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
     if any(inspect.iscoroutinefunction(entity.callback) for entity in entities):
         return SingleThreadedExecutor()
     return EventsExecutor()

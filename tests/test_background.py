@@ -264,7 +264,7 @@ def test_client_call_works_in_a_cell_and_wait_for_gives_the_response():
     run(Adder)
     client = run(Listener).create_client(AddTwoInts, "add")
     assert client.wait_for_service(timeout_sec=5.0)
-    assert client.call(AddTwoInts.Request(a=2, b=3), timeout_sec=5.0).sum == 5
+    assert client.call(AddTwoInts.Request(a=2, b=3), timeout_sec=5.0) == AddTwoInts.Response(sum=5)
     assert wait_for(client.call_async(AddTwoInts.Request(a=4, b=5))).sum == 9
 
 
@@ -332,7 +332,10 @@ def test_wait_for_says_which_condition_did_not_come_true():
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
-    [(String, r"String is not one. Write: class String\(Node\)"), (3, "takes a Node class or a node, not int")],
+    [
+        (String, r"String is not one. Write: class String\(Node\)"),
+        (3, "takes a Node class or a node, not int"),
+    ],
 )
 def test_run_says_what_it_takes(wrong, message):
     with pytest.raises(TypeError, match=message):

@@ -46,7 +46,8 @@ def test_a_nodes_log_lines_appear_under_the_cell_that_runs_it(kernel):
 
 def test_an_exception_in_a_callback_appears_under_the_cell_that_runs_the_node(kernel):
     started = kernel.run(
-        "class Faulty(Talker):\n    def tick(self):\n        raise ValueError('no battery')\nfaulty = run(Faulty, 'faulty')"
+        "class Faulty(Talker):\n    def tick(self):\n        raise ValueError('no battery')\n"
+        "faulty = run(Faulty, 'faulty')"
     )
     later = kernel.run("other = run(Talker, 'other'); wait_for(lambda: other.count > 3)")
     kernel.until(lambda: "✘ a callback of /faulty raised ValueError: no battery" in kernel.shown(started))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from ipycanvas import MultiCanvas, hold_canvas
-from ipywidgets import Button, GridBox, HBox, HTML, Layout, VBox
+from ipywidgets import HTML, Button, GridBox, HBox, Layout, VBox
 from rclpy.serialization import deserialize_message
 from turtlesim.msg import Pose
 
