@@ -62,7 +62,8 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
     Hand over the class, with the constructor's arguments if it has any: `run(Talker)`. An earlier node of the same
     name or from the same class and arguments is destroyed first, so a cell can be run again. A node that exists
     already can be handed over too. `executor` is an rclpy executor for this node alone, such as a
-    MultiThreadedExecutor; without one the node has a single thread. Raises TypeError for what is neither a Node class nor a node.
+    MultiThreadedExecutor; without one the node has a single thread. Raises TypeError for what is neither a Node class
+    nor a node.
     """
     start = context.start()
     rosout.collect()

@@ -281,7 +281,9 @@ class Caller(Node):
 
 def call_and_wait(node: Caller) -> None:
     node.timer.cancel()
-    node.sums.append(node.client.call(AddTwoInts.Request(a=1, b=2)).sum)
+    response = node.client.call(AddTwoInts.Request(a=1, b=2))
+    assert response is not None
+    node.sums.append(response.sum)
 
 
 def call_and_wait_for(node: Caller) -> None:
