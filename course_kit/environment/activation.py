@@ -65,12 +65,16 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     """Complete the environment of this process for ROS 2."""
     if has_ros_wheels(prefix):
         _leave_installations(environ)
-        _prepend(environ, "AMENT_PREFIX_PATH", prefix)
+        # Last: a colcon workspace that the user sourced lies over ROS 2, as it lies over /opt/ros.
+        others = [entry for entry in split_paths(environ.get("AMENT_PREFIX_PATH", "")) if entry != prefix]
+        environ["AMENT_PREFIX_PATH"] = os.pathsep.join([*others, prefix])
         # A process started from another Python environment with ROS wheels has only that one's libraries.
         if os.path.join(prefix, "lib") not in split_paths(environ.get("LD_LIBRARY_PATH", "")):
             environ.pop(RESTARTED, None)
     environ["COURSE_KIT_PREFIX"] = prefix
-    _prepend(environ, "PATH", os.path.join(prefix, "bin"))
+    bin_folder = os.path.join(prefix, "bin")
+    others = [entry for entry in split_paths(environ.get("PATH", "")) if entry != bin_folder]
+    environ["PATH"] = os.pathsep.join([bin_folder, *others])
     if "ROS_LOCALHOST_ONLY" not in environ:
         environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     environ.setdefault("ROS_DOMAIN_ID", str(user_domain(os.getuid())))
@@ -88,8 +92,3 @@ def _leave_installations(environ: MutableMapping[str, str]) -> None:
         if kept != entries:
             environ[name] = os.pathsep.join(kept)
             environ.pop(RESTARTED, None)
-
-
-def _prepend(environ: MutableMapping[str, str], name: str, entry: str) -> None:
-    others = [e for e in split_paths(environ.get(name, "")) if e != entry]
-    environ[name] = os.pathsep.join([entry, *others])

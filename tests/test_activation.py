@@ -1,0 +1,103 @@
+"""The environment that every Python of the course has without sourcing anything."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from course_kit.environment import pins
+from course_kit.environment.activation import PROFILE, activate, sourced_ros, user_domain
+
+WHEELS = not sourced_ros(os.environ)
+
+
+def python(code: str, **environ: str) -> str:
+    """What a fresh Python of this environment prints, started with almost nothing in its environment."""
+    clean = {"PATH": "/usr/bin:/bin", "HOME": os.environ.get("HOME", "/"), **environ}
+    done = subprocess.run([sys.executable, "-c", code], env=clean, capture_output=True, text=True, timeout=30)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def variable(name: str, **environ: str) -> str:
+    return python(f"import os; print(os.environ.get({name!r}))", **environ)
+
+
+@pytest.mark.skipif(not WHEELS, reason="a sourced ROS 2 is used, it has its own environment")
+def test_a_fresh_python_finds_ros_and_its_packages():
+    code = "import rclpy; from ament_index_python.packages import get_package_prefix as p; print(p('turtlesim'))"
+    assert python(code) == sys.prefix
+
+
+def test_a_fresh_python_stays_on_this_machine_in_a_domain_of_its_user():
+    assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
+    assert variable("ROS_DOMAIN_ID") == str(user_domain(os.getuid()))
+    assert variable("FASTRTPS_DEFAULT_PROFILES_FILE") == str(PROFILE)
+    assert variable("PATH").startswith(str(Path(sys.prefix, "bin")) + os.pathsep)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"),
+        ("ROS_DOMAIN_ID", "42"),
+        ("FASTRTPS_DEFAULT_PROFILES_FILE", "/etc/mine.xml"),
+    ],
+)
+def test_what_the_user_set_is_kept(name, value):
+    assert variable(name, **{name: value}) == value
+
+
+def test_a_users_profile_in_the_newer_variable_wins_too():
+    kept = variable("FASTRTPS_DEFAULT_PROFILES_FILE", FASTDDS_DEFAULT_PROFILES_FILE="/etc/mine.xml")
+    assert kept == "None"
+
+
+def test_ros_localhost_only_is_not_contradicted():
+    assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE", ROS_LOCALHOST_ONLY="1") == "None"
+
+
+def test_users_get_domains_of_their_own_that_are_never_zero():
+    domains = [user_domain(uid) for uid in range(1000, 1100)]
+    assert len(set(domains)) == 100 and min(domains) == 1 and max(domains) == 100
+
+
+@pytest.mark.skipif(not WHEELS, reason="a sourced ROS 2 is used, nothing has to be kept apart from it")
+def test_a_sourced_ros_does_not_mix_with_the_wheels(tmp_path):
+    prefix = tmp_path / "opt/ros/humble"
+    marker = prefix / "share/ament_index/resource_index/packages/rclpy"
+    marker.parent.mkdir(parents=True)
+    marker.touch()
+    modules = prefix / "lib/python3/site-packages"
+    (modules / "rclpy").mkdir(parents=True)
+    (modules / "rclpy/__init__.py").write_text("raise ImportError('the wrong rclpy')")
+    sourced = {
+        "AMENT_PREFIX_PATH": str(prefix),
+        "PYTHONPATH": str(modules),
+        "LD_LIBRARY_PATH": str(prefix / "lib"),
+        "ROS_DISTRO": "humble",
+    }
+    code = "import os, rclpy; print(rclpy.__file__, os.environ['LD_LIBRARY_PATH'], os.environ['AMENT_PREFIX_PATH'])"
+    printed = python(code, **sourced)
+    assert str(prefix) not in printed and sys.prefix in printed
+
+
+def test_activating_twice_changes_nothing_more():
+    environ = {"PATH": "/usr/bin", "AMENT_PREFIX_PATH": "/my/workspace/install"}
+    activate(environ=environ)
+    once = dict(environ)
+    activate(environ=environ)
+    assert environ == once
+    assert environ["AMENT_PREFIX_PATH"].split(os.pathsep)[0] == "/my/workspace/install"
+
+
+def test_every_pin_is_exact_and_without_ros_none_of_ros_is_left():
+    everything, without = pins.requirements(with_ros=True), pins.requirements(with_ros=False)
+    assert all("==" in requirement for requirement in everything)
+    assert not [requirement for requirement in without if requirement.startswith("ros-")]
+    assert {r for r in everything if not r.startswith("ros-")} == set(without)
+    assert "--hash=sha256:" in pins.LOCK.read_text() and "://" not in pins.LOCK.read_text()
