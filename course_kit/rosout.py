@@ -52,7 +52,7 @@ def listen(listener: Callable[[LogLine], None]) -> None:
 def collect() -> None:
     """Subscribe to /rosout, if that is not done yet: called before the first node starts, so no line is missed."""
     global _subscription
-    if _subscription is None or not _subscription.is_open:
+    if _subscription is None or _subscription.closed.is_set():
         _subscription = instruments.subscribe("/rosout", _receive, "rcl_interfaces/msg/Log")
 
 

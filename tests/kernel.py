@@ -52,7 +52,9 @@ class Kernel:
         """Collect messages until a condition holds; return its value."""
         deadline = time.monotonic() + timeout
         while not (value := condition()):
-            assert time.monotonic() < deadline, f"not within {timeout} s; messages: {self.messages[-5:]}"
+            assert self.manager.is_alive(), "the kernel has died"
+            said = [(m["msg_type"], m["content"]) for m in self.messages[-5:]]
+            assert time.monotonic() < deadline, f"not within {timeout} s; the last messages: {said}"
             with contextlib.suppress(Empty):
                 self.messages.append(self.client.get_iopub_msg(timeout=0.1))
         return value

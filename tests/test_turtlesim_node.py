@@ -17,6 +17,7 @@ import pytest
 import rclpy
 from action_msgs.msg import GoalStatus
 from geometry_msgs.msg import Twist
+from PIL import Image
 from rcl_interfaces.msg import Log, ParameterType
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.action import ActionClient
@@ -41,7 +42,7 @@ from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelativ
 from course_kit.turtlesim import TurtleSim
 
 TIMEOUT = 20.0  # seconds; discovery on a busy machine has a long tail
-EXECUTORS = {
+EXECUTORS: dict[str, Callable[..., Any]] = {
     "single": SingleThreadedExecutor,
     "multi": lambda context: MultiThreadedExecutor(4, context=context),
     "events": EventsExecutor,
@@ -96,9 +97,8 @@ class Spinning:
 
     def stop(self) -> None:
         """Destroy the node in its executor, as course_kit does, and end the thread."""
-        done = threading.Event()
-        self.executor.create_task(lambda: (self.node.destroy_node(), done.set()))
-        assert done.wait(TIMEOUT), "the executor does not run its tasks any more"
+        destroyed = self.executor.create_task(self.node.destroy_node)
+        wait_until(destroyed.done, "end of the node: its executor runs no tasks")
         self._end.set_result(None)
         self.executor.create_task(lambda: None)
         self._thread.join(TIMEOUT)
@@ -114,7 +114,8 @@ class Ros:
         arguments = ["--ros-args", "--disable-external-lib-logs", "--disable-stdout-logs"]
         rclpy.init(args=arguments, context=self.context)
         self.observer = Node("observer", context=self.context)
-        self._spinning = [Spinning(SingleThreadedExecutor(context=self.context), self.observer)]
+        self._executor = SingleThreadedExecutor(context=self.context)
+        self._spinning = [Spinning(self._executor, self.observer)]
         self.logged: list[tuple[str, str, str]] = []  # node, level, text
         qos = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.observer.create_subscription(Log, "/rosout", self._on_log, qos)
@@ -127,6 +128,10 @@ class Ros:
         node = TurtleSim(context=self.context, **options)
         self._spinning.append(Spinning(EXECUTORS[executor](context=self.context), node))
         return node
+
+    def wait_for_log(self, level: str, text: str, node: str = "turtlesim") -> None:
+        """Wait for a line in the log."""
+        wait_until(lambda: (node, level, text) in self.logged, f"line {text!r} in the log")
 
     def errors(self) -> list[BaseException]:
         """What came out of the executors."""
@@ -170,6 +175,10 @@ class Ros:
         wait_until(client.server_is_ready, f"action {turtle}/rotate_absolute")
         return client
 
+    def request(self, ask: Callable[..., Future], *arguments: Any) -> Future:
+        """Ask in the executor's thread: else an answer may come before rclpy has noted the request."""
+        return self.wait(self._executor.create_task(ask, *arguments), "request")
+
     def send(self, client: ActionClient, theta: float, feedback: list[float] | None = None) -> Any:
         """Send a goal and return its handle."""
 
@@ -178,14 +187,11 @@ class Ros:
                 feedback.append(message.feedback.remaining)
 
         goal = RotateAbsolute.Goal(theta=theta)
-        # In the executor's thread, or an answer may come before rclpy has noted the request.
-        task = self.observer.executor.create_task(client.send_goal_async, goal, on_feedback)
-        return self.wait(self.wait(task, "request"), "answer to the goal")
+        return self.wait(self.request(client.send_goal_async, goal, on_feedback), "answer to the goal")
 
     def result(self, handle: Any) -> Any:
         """Wait for the result of a goal."""
-        task = self.observer.executor.create_task(handle.get_result_async)
-        return self.wait(self.wait(task, "request"), "result")
+        return self.wait(self.request(handle.get_result_async), "result")
 
 
 def twist(forward: float = 0.0, turning: float = 0.0, sideways: float = 0.0) -> Twist:
@@ -195,13 +201,14 @@ def twist(forward: float = 0.0, turning: float = 0.0, sideways: float = 0.0) -> 
 
 
 @pytest.fixture
-def ros() -> Iterator[Ros]:
+def ros(capfd: pytest.CaptureFixture[str]) -> Iterator[Ros]:
     ros = Ros()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         yield ros
         ros.end()
     assert ros.errors() == []
+    assert capfd.readouterr().err == ""
 
 
 @pytest.fixture(params=list(EXECUTORS))
@@ -223,11 +230,7 @@ def expected_graph(turtles: set[str]) -> dict[str, dict[str, str]]:
         },
         "subscriptions": {f"/{turtle}/cmd_vel": type_name(Twist) for turtle in turtles},
         "services": {f"/{name}": type_name(kind) for name, kind in fixed.items()}
-        | {
-            f"/{turtle}/{name}": type_name(kind)
-            for turtle in turtles
-            for name, kind in TURTLE_SERVICES.items()
-        },
+        | {f"/{turtle}/{name}": type_name(kind) for turtle in turtles for name, kind in TURTLE_SERVICES.items()},
         "actions": {f"/{turtle}/rotate_absolute": type_name(RotateAbsolute) for turtle in turtles},
     }
 
@@ -267,9 +270,10 @@ def test_names_and_types(ros: Ros, sim: TurtleSim) -> None:
 
 
 def test_topics_are_reliable_volatile_and_keep_7(ros: Ros, sim: TurtleSim) -> None:
+    endpoints: list[Any] = [*sim.publishers, *sim.subscriptions]
     ours = [
         endpoint.qos_profile
-        for endpoint in (*sim.publishers, *sim.subscriptions)
+        for endpoint in endpoints
         if endpoint.topic_name.startswith(("/turtle1/", "turtle1/")) and "_action" not in endpoint.topic_name
     ]
     assert [(qos.history, qos.depth) for qos in ours] == [(HistoryPolicy.KEEP_LAST, 7)] * 3
@@ -381,7 +385,7 @@ def test_pen_and_teleports(ros: Ros, sim: TurtleSim) -> None:
     assert sim.picture().getpixel((90, 360)) == (1, 2, 3)
     ros.call(Empty, "clear")
     wait_until(lambda: (colors[-1].r, colors[-1].g, colors[-1].b) == WHITE, "blank field")
-    assert ("turtlesim", "info", "Clearing turtlesim.") in ros.logged
+    ros.wait_for_log("info", "Clearing turtlesim.")
 
 
 def test_spawn_and_kill(ros: Ros, sim: TurtleSim) -> None:
@@ -399,9 +403,7 @@ def test_spawn_and_kill(ros: Ros, sim: TurtleSim) -> None:
     assert pose.y == 9.0
 
 
-@pytest.mark.parametrize(
-    "name", ["my turtle!", "1st", "a//b", "/absolute", "~/mine", "{node}", "schön", "n" * 300]
-)
+@pytest.mark.parametrize("name", ["my turtle!", "1st", "a//b", "/absolute", "~/mine", "{node}", "schön", "n" * 300])
 def test_spawn_refuses_what_is_no_ros_name(ros: Ros, name: str) -> None:
     ros.run()
     assert ros.call(Spawn, "spawn", x=1.0, y=2.0, name=name).name == ""
@@ -415,11 +417,8 @@ def test_spawn_refuses_what_is_no_ros_name(ros: Ros, name: str) -> None:
 def test_wrong_names_are_answered_and_logged(ros: Ros, sim: TurtleSim) -> None:
     assert ros.call(Spawn, "spawn", name="turtle1").name == ""
     ros.call(Kill, "kill", name="nobody")
-    for text in (
-        "A turtle named [turtle1] already exists",
-        "Tried to kill turtle [nobody], which does not exist",
-    ):
-        wait_until(lambda text=text: ("turtlesim", "error", text) in ros.logged, f"line {text!r}")
+    ros.wait_for_log("error", "A turtle named [turtle1] already exists")
+    ros.wait_for_log("error", "Tried to kill turtle [nobody], which does not exist")
 
 
 def test_reset(ros: Ros, sim: TurtleSim) -> None:
@@ -432,7 +431,7 @@ def test_reset(ros: Ros, sim: TurtleSim) -> None:
     wait_for_graph(ros, {"turtle1"})
     wait_until(lambda: (poses[-1].x, poses[-1].theta) == (MIDDLE, 0.0), "turtle1 in the middle")
     assert sim.picture().getpixel((100, 200)) == (69, 0, 255)
-    assert ("turtlesim", "info", "Resetting turtlesim.") in ros.logged
+    ros.wait_for_log("info", "Resetting turtlesim.")
     assert ros.call(Spawn, "spawn", x=1.0, y=2.0).name == "turtle2"
 
 
@@ -468,8 +467,7 @@ def test_rotation_succeeds_with_feedback_and_result(ros: Ros, sim: TurtleSim) ->
     wait_until(lambda: feedback and abs(feedback[-1]) < 0.02, "last feedback")
     assert len(feedback) > 50
     assert feedback == sorted(feedback, reverse=True)
-    line = ("turtlesim", "info", "Rotation goal completed successfully")
-    wait_until(lambda: line in ros.logged, "log")
+    ros.wait_for_log("info", "Rotation goal completed successfully")
 
 
 def test_goal_can_be_cancelled(ros: Ros, sim: TurtleSim) -> None:
@@ -481,7 +479,7 @@ def test_goal_can_be_cancelled(ros: Ros, sim: TurtleSim) -> None:
     answer = ros.result(handle)
     assert answer.status == GoalStatus.STATUS_CANCELED
     assert -3.0 < answer.result.delta < 0
-    wait_until(lambda: ("turtlesim", "info", "Rotation goal canceled") in ros.logged, "log")
+    ros.wait_for_log("info", "Rotation goal canceled")
     poses = ros.listen(Pose, "turtle1/pose")
     assert poses[-1].angular_velocity == 0.0
 
@@ -496,7 +494,7 @@ def test_velocity_command_aborts_the_goal(ros: Ros, sim: TurtleSim) -> None:
     assert answer.status == GoalStatus.STATUS_ABORTED
     assert -3.0 < answer.result.delta < 0
     text = "Velocity command received during rotation goal. Aborting goal"
-    wait_until(lambda: ("turtlesim", "warn", text) in ros.logged, "log")
+    ros.wait_for_log("warn", text)
 
 
 def test_new_goal_aborts_the_running_one(ros: Ros, sim: TurtleSim) -> None:
@@ -506,7 +504,7 @@ def test_new_goal_aborts_the_running_one(ros: Ros, sim: TurtleSim) -> None:
     assert ros.result(first).status == GoalStatus.STATUS_ABORTED
     assert ros.result(second).status == GoalStatus.STATUS_SUCCEEDED
     text = "Rotation goal received before a previous goal finished. Aborting previous goal"
-    wait_until(lambda: ("turtlesim", "warn", text) in ros.logged, "log")
+    ros.wait_for_log("warn", text)
 
 
 def test_goal_that_is_no_number_is_aborted(ros: Ros, sim: TurtleSim) -> None:
@@ -519,8 +517,7 @@ def test_goal_that_is_no_number_is_aborted(ros: Ros, sim: TurtleSim) -> None:
 def test_goal_in_flight_is_aborted_when_its_turtle_goes(ros: Ros, sim: TurtleSim, end: str) -> None:
     client = ros.rotation_client()
     handle = ros.send(client, 3.0)
-    task = ros.observer.executor.create_task(handle.get_result_async)
-    early = ros.wait(task, "request")
+    early = ros.request(handle.get_result_async)
     if end == "kill":
         ros.call(Kill, "kill", name="turtle1")
     else:
@@ -535,6 +532,7 @@ def test_goal_in_flight_is_aborted_when_its_turtle_goes(ros: Ros, sim: TurtleSim
 
 def test_killed_turtle_rejects_goals_and_takes_them_again_when_spawned(ros: Ros, sim: TurtleSim) -> None:
     client = ros.rotation_client()
+    assert ros.result(ros.send(client, 0.1)).status == GoalStatus.STATUS_SUCCEEDED
     ros.call(Kill, "kill", name="turtle1")
     assert not ros.send(client, 1.0).accepted  # its action lingers for a second
     ros.call(Spawn, "spawn", x=1.0, y=1.0, name="turtle1")
@@ -545,8 +543,7 @@ def test_killed_turtle_rejects_goals_and_takes_them_again_when_spawned(ros: Ros,
 def test_goals_and_kills_at_full_speed_hurt_nothing(ros: Ros, sim: TurtleSim) -> None:
     client = ros.rotation_client()
     for number in range(15):
-        task = ros.observer.executor.create_task(client.send_goal_async, RotateAbsolute.Goal(theta=1.0))
-        ros.wait(task, "request")
+        ros.request(client.send_goal_async, RotateAbsolute.Goal(theta=1.0))
         if number % 3:
             ros.call(Empty, "reset")
         else:
@@ -557,15 +554,15 @@ def test_goals_and_kills_at_full_speed_hurt_nothing(ros: Ros, sim: TurtleSim) ->
 
 def test_destroyed_node_leaves_the_graph_while_a_goal_runs(ros: Ros, sim: TurtleSim) -> None:
     ros.send(ros.rotation_client(), 3.0)
-    done = threading.Event()
-    sim.executor.create_task(lambda: (sim.destroy_node(), sim.destroy_node(), done.set()))
-    assert done.wait(TIMEOUT)
-    wait_until(lambda: "turtlesim" not in ros.observer.get_node_names(), "end of the node")
+    for _ in range(2):
+        assert sim.executor is not None
+        wait_until(sim.executor.create_task(sim.destroy_node).done, "end of the node")
+    wait_until(lambda: "turtlesim" not in ros.observer.get_node_names(), "end of the node in the graph")
 
 
 def test_picture_can_be_taken_from_any_thread_while_the_turtle_moves(ros: Ros, sim: TurtleSim) -> None:
     ros.publisher().publish(twist(2.0, turning=1.0))
-    pictures = []
+    pictures: list[Image.Image] = []
 
     def take() -> None:
         pictures.extend(sim.picture() for _ in range(50))
@@ -670,9 +667,7 @@ def test_as_a_process(ros: Ros, end: signal.Signals) -> None:
     assert "ERROR" not in printed
 
 
-@pytest.mark.parametrize(
-    "arguments", [["-p", "background_r:=300"], ["-p", "background_r:=red"], ["-r", "nonsense"]]
-)
+@pytest.mark.parametrize("arguments", [["-p", "background_r:=300"], ["-p", "background_r:=red"], ["-r", "nonsense"]])
 def test_wrong_arguments_end_the_process_with_one_line(arguments: list[str]) -> None:
     command = [sys.executable, "-m", "course_kit.turtlesim", "--ros-args", *arguments]
     done = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=60)

@@ -1,0 +1,185 @@
+"""Topics by name: their types in the graph, the Python class of a type, the QoS that fits their publishers."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+from rclpy.validate_full_topic_name import validate_full_topic_name
+
+POLL = 0.02  # seconds between two looks at the graph
+# How many messages the middleware keeps while Python is busy elsewhere; it takes memory only for those that wait.
+DEPTH = 100_000
+# By convention these are published once and kept for whoever subscribes later.
+LATCHED = frozenset({"/rosout", "/tf_static", "/robot_description"})
+
+
+def absolute(topic: str) -> str:
+    """The full name of a topic: a relative name is taken as one of the root namespace. ValueError if it is none."""
+    name = topic if topic.startswith("/") else f"/{topic}"
+    try:
+        validate_full_topic_name(name)
+    except InvalidTopicNameException as error:
+        reason = " ".join(str(error).split("\n")[0].split()).rstrip(":")
+        raise ValueError(f"{topic!r} cannot be the name of a topic. {reason}. Write it like '/turtle1/pose'.") from None
+    return name
+
+
+def message_class(type_name: str) -> Any:
+    """The Python class of a type name such as 'std_msgs/msg/String'.
+
+    Raises ValueError for what is no type name or no message of its package, ModuleNotFoundError for a package that
+    is not there.
+    """
+    package, kind, name = _split(type_name)
+    try:
+        module = importlib.import_module(f"{package}.{kind}")
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            f"{type_name}: this Python does not know the package {package}, so it cannot read its messages. "
+            f"Build it in your workspace (colcon build), source install/setup.bash and start again."
+        ) from None
+    # The parts of actions and services, for instance Fibonacci_FeedbackMessage, live beside their main class.
+    main = getattr(module, name.split("_")[0], None)
+    if kind != "msg" and main is not None:
+        module = sys.modules[main.__module__]
+    if not hasattr(module, name):
+        near = difflib.get_close_matches(name, [n for n in dir(module) if n[0].isupper()], n=1)
+        hint = f" Did you mean {package}/{kind}/{near[0]}?" if near else ""
+        raise ValueError(f"the package {package} has no message {name}.{hint}")
+    return getattr(module, name)
+
+
+def _split(type_name: str) -> tuple[str, str, str]:
+    parts = type_name.split("/")
+    if len(parts) == 2:
+        parts.insert(1, "msg")
+    if len(parts) != 3 or parts[1] not in ("msg", "srv", "action") or not all(p.isidentifier() for p in parts):
+        raise ValueError(f"{type_name!r} is not a message type. Write it like 'std_msgs/msg/String'.")
+    return parts[0], parts[1], parts[2]
+
+
+def type_name(message_type: Any) -> str:
+    """The name of a message class, such as 'std_msgs/msg/String'. TypeError if it is no message class."""
+    if not (isinstance(message_type, type) and hasattr(message_type, "get_fields_and_field_types")):
+        raise TypeError(
+            f"{message_type!r} is not a message type: give a class such as std_msgs.msg.String, or its name"
+        )
+    package, kind = message_type.__module__.split(".")[:2]
+    return f"{package}/{kind}/{message_type.__name__}"
+
+
+def node_name(endpoint: TopicEndpointInfo) -> str:
+    """The full name of the node that an endpoint belongs to."""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+
+
+def publishers(node: Node, topic: str) -> list[TopicEndpointInfo]:
+    """The publishers of a topic that the graph knows now."""
+    found: list[TopicEndpointInfo] = node.get_publishers_info_by_topic(topic)
+    return found
+
+
+def wait_for_type(node: Node, topic: str, timeout: float) -> str:
+    """The type of a topic; waits up to `timeout` seconds for a node that publishes it or subscribes to it.
+
+    Raises TimeoutError if none comes, TypeError if the topic carries two types.
+    """
+    wait_until(lambda: _types(node, topic), timeout)
+    types = _types(node, topic)
+    if not types:
+        raise TimeoutError(f"no node publishes {topic} (waited {timeout:.3g} s).{_hint(node, topic)}")
+    if len(types) > 1:
+        raise TypeError(
+            f"{topic} carries {len(types)} types: {_who_publishes(node, topic)}. Nodes that share a topic must agree "
+            f"on its type, so rename one topic; or say which type you want, as in '{topic}', '{types[0]}'."
+        )
+    return types[0]
+
+
+def _types(node: Node, topic: str) -> list[str]:
+    published = sorted({p.topic_type for p in publishers(node, topic)})
+    return published or dict(node.get_topic_names_and_types()).get(topic, [])
+
+
+def _who_publishes(node: Node, topic: str) -> str:
+    return ", ".join(sorted({f"{p.topic_type} from {node_name(p)}" for p in publishers(node, topic)}))
+
+
+def check_type(node: Node, topic: str, wanted: str) -> None:
+    """Raise TypeError if a topic is published, but with no publisher of the type `wanted`."""
+    published = publishers(node, topic)
+    if published and wanted not in {p.topic_type for p in published}:
+        raise TypeError(
+            f"{topic} does not carry {wanted} but {_who_publishes(node, topic)}: a subscription of another type "
+            f"receives nothing. Leave the type out, and it is looked up."
+        )
+
+
+def _hint(node: Node, topic: str) -> str:
+    """What a student may have meant, or what is there instead."""
+    names = [n for n, _ in node.get_topic_names_and_types() if n not in ("/rosout", "/parameter_events")]
+    published = [n for n in names if node.count_publishers(n)]
+    last = topic.rsplit("/", 1)[-1]
+    near = [n for n in published if n.rsplit("/", 1)[-1] == last]
+    near += [n for n in difflib.get_close_matches(topic, published, n=3) if n not in near]
+    if near:
+        return f" Did you mean {' or '.join(near[:3])}?"
+    if published:
+        return f" Published are: {', '.join(sorted(published)[:8])}."
+    return " No node publishes anything here: is the node running, in the same ROS_DOMAIN_ID?"
+
+
+def with_types(wanted: Sequence[Any]) -> dict[str, Any]:
+    """Topic names with the message class that follows each, or None: ('/a', '/b', String) names no type for /a."""
+    pairs: dict[str, Any] = {}
+    for item in wanted:
+        is_type_name = isinstance(item, str) and not item.startswith("/") and "/msg/" in item
+        if isinstance(item, str) and not is_type_name:
+            pairs[absolute(item)] = None
+        elif not pairs:
+            raise TypeError(f"give topic names first and their types after them: '/topic', {item!r}")
+        else:
+            given = message_class(item) if is_type_name else item
+            type_name(given)  # refuses what is no message type
+            pairs[next(reversed(pairs))] = given
+    if not pairs:
+        raise TypeError("give the names of topics, such as '/turtle1/pose'")
+    return pairs
+
+
+def look_up(node: Node, pairs: dict[str, Any], timeout: float) -> dict[str, Any]:
+    """Fill in the types that are None from the graph; waits up to `timeout` seconds in all, as wait_for_type()."""
+    deadline = time.monotonic() + timeout
+    left = (max(0.0, deadline - time.monotonic()) for _ in pairs)
+    return {topic: given or message_class(wait_for_type(node, topic, next(left))) for topic, given in pairs.items()}
+
+
+def qos_for(topic: str, published: Sequence[TopicEndpointInfo]) -> QoSProfile:
+    """A QoS profile with which a subscription receives from all publishers of a topic, known or expected."""
+    best_effort = any(p.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for p in published)
+    latched = [p.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in published]
+    keeps = all(latched) if latched else topic in LATCHED
+    return QoSProfile(
+        depth=DEPTH,
+        reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if keeps else DurabilityPolicy.VOLATILE,
+    )
+
+
+def wait_until(condition: Callable[[], Any], timeout: float) -> bool:
+    """Look at `condition` until it is true; return whether it became so within `timeout` seconds."""
+    deadline = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() >= deadline:
+            return False
+        time.sleep(POLL)
+    return True

@@ -1,0 +1,150 @@
+"""JupyterLab in a real browser for tests: Debian's chromium, driven by playwright, no request beyond loopback."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Page, sync_playwright
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--disable-default-apps",
+    "--disable-dev-shm-usage",
+]
+ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/lab\?token=\w+")
+SOURCES_OF = "window.jupyterapp.shell.currentWidget.content.model.sharedModel.toJSON().cells"
+
+
+@contextlib.contextmanager
+def server(root: Path, *arguments: str) -> Iterator[str]:
+    """A JupyterLab on a folder; gives its address with the token."""
+    command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--ip=127.0.0.1", "--allow-root"]
+    process = subprocess.Popen(
+        [*command, "--expose-app-in-browser", f"--ServerApp.root_dir={root}", *arguments],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    address: list[str] = []
+    found = threading.Event()
+
+    def read() -> None:
+        assert process.stderr is not None
+        for line in process.stderr:  # to the end, so that the server never waits for a reader
+            if not address and (match := ADDRESS.search(line)):
+                address.append(match[0])
+                found.set()
+
+    threading.Thread(target=read, daemon=True).start()
+    try:
+        assert found.wait(60), "JupyterLab did not tell its address within 60 s"
+        yield address[0]
+    finally:
+        os.killpg(process.pid, signal.SIGTERM)
+        process.wait(timeout=20)
+
+
+class Lab:
+    """One browser page with JupyterLab in it."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.outside: list[str] = []  # requests that left the machine
+        page.on("request", lambda request: self._note(request.url))
+
+    def _note(self, url: str) -> None:
+        if not url.startswith(("http://127.0.0.1", "ws://127.0.0.1", "data:", "blob:")):
+            self.outside.append(url)
+
+    def open(self, notebook: str) -> None:
+        """Open a notebook and wait until its kernel is idle."""
+        self.page.evaluate(
+            "path => window.jupyterapp.commands.execute('docmanager:open', {path}).then(() => 1)", notebook
+        )
+        self.page.wait_for_selector(".jp-NotebookPanel:not(.lm-mod-hidden) .jp-CodeCell", timeout=60_000)
+        self.page.wait_for_function(
+            "() => window.jupyterapp.shell.currentWidget?.sessionContext?.session?.kernel?.status === 'idle'",
+            timeout=60_000,
+        )
+
+    def run_all(self, timeout: float = 120.0) -> None:
+        """Run every cell and wait for the last one."""
+        self.page.evaluate(
+            "() => { window.ran = false;"
+            "window.jupyterapp.commands.execute('notebook:run-all-cells').then(() => { window.ran = true; }); }"
+        )
+        self.page.wait_for_function("() => window.ran", timeout=timeout * 1000)
+
+    def run_cell(self, identity: str, timeout: float = 30.0) -> None:
+        """Run the cell with an id and wait for it."""
+        self.page.evaluate(
+            "id => { const notebook = window.jupyterapp.shell.currentWidget.content;"
+            "notebook.activeCellIndex = notebook.widgets.findIndex(w => w.model.sharedModel.id === id);"
+            "notebook.deselectAll(); window.ran = false;"
+            "window.jupyterapp.commands.execute('notebook:run-cell').then(() => { window.ran = true; }); }",
+            identity,
+        )
+        self.page.wait_for_function("() => window.ran", timeout=timeout * 1000)
+
+    def outputs(self, identity: str) -> list[dict[str, Any]]:
+        """The outputs of the cell with an id."""
+        cells = self.page.evaluate(f"() => {SOURCES_OF}")
+        return next(cell.get("outputs", []) for cell in cells if cell.get("id") == identity)
+
+    def errors(self) -> list[str]:
+        """The errors that cells of the notebook show."""
+        cells = self.page.evaluate(f"() => {SOURCES_OF}")
+        return [
+            f"{cell['id']}: {output['ename']}: {output['evalue']}"
+            for cell in cells
+            for output in cell.get("outputs", [])
+            if output["output_type"] == "error"
+        ]
+
+    def close_notebook(self) -> None:
+        """End the notebook's kernel and close it without saving."""
+        self.page.evaluate(
+            "() => window.jupyterapp.shell.currentWidget.sessionContext.shutdown()"
+            ".then(() => window.jupyterapp.shell.currentWidget.dispose()).then(() => 1)"
+        )
+
+
+@contextlib.contextmanager
+def browser(address: str, profile: Path) -> Iterator[Lab]:
+    """JupyterLab opened in a headless chromium with a fresh profile."""
+    # The ROS wheels put their libraries on LD_LIBRARY_PATH; the browser brings its own.
+    environ: dict[str, str | float | bool] = {k: v for k, v in os.environ.items() if k != "LD_LIBRARY_PATH"}
+    with sync_playwright() as playwright:
+        context = playwright.chromium.launch_persistent_context(
+            profile,
+            executable_path=CHROMIUM,
+            headless=True,
+            env=environ,
+            args=ARGUMENTS,
+            viewport={"width": 1280, "height": 1000},
+        )
+        try:
+            lab = Lab(context.new_page())
+            lab.page.goto(address)
+            lab.page.wait_for_function("() => window.jupyterapp", timeout=60_000)
+            lab.page.evaluate("() => window.jupyterapp.started.then(() => 1)")
+            lab.page.wait_for_selector(".jp-Launcher, .jp-NotebookPanel", timeout=60_000)
+            yield lab
+        finally:
+            context.close()

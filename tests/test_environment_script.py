@@ -1,0 +1,159 @@
+"""environment-check.sh before anything is set up: it reports, cures nothing by itself and changes nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy, fresh_environ
+
+
+@pytest.fixture(scope="module")
+def course(tmp_path_factory) -> CourseCopy:
+    """The course as after `git clone`."""
+    return CourseCopy(tmp_path_factory.mktemp("clone"))
+
+
+@pytest.fixture(scope="module")
+def answer(course, tmp_path_factory) -> dict:
+    """The JSON report of the clone, made with an empty home."""
+    home = tmp_path_factory.mktemp("home")
+    before = course.files()
+    result = course.run("--json", environ=fresh_environ(PYTHON=BASE_PYTHON, HOME=str(home)))
+    assert course.files() == before, "checking must change nothing"
+    assert list(home.iterdir()) == [], "checking must change nothing in the user's home either"
+    return json.loads(result.stdout) | {"exit status": result.returncode}
+
+
+def by_name(answer: dict) -> dict[str, dict]:
+    return {check["name"]: check for check in answer["checks"]}
+
+
+def without_python(folder: Path) -> str:
+    """A PATH with the usual commands and no Python."""
+    for command in ("bash", "dirname", "ls", "mkdir", "realpath"):
+        (folder / command).symlink_to(str(shutil.which(command)))
+    return str(folder)
+
+
+def test_what_set_up_will_bring_is_a_warning_that_names_it(answer):
+    checks = by_name(answer)
+    for name in ("environment", "ROS 2", "ROS 2 node", "JupyterLab", "widgets"):
+        assert (checks[name]["status"], checks[name]["cure"]) == ("WARN", "./environment-check.sh lab")
+
+
+def test_a_machine_that_can_run_the_tests_has_no_failure_before_set_up(answer):
+    assert [check for check in answer["checks"] if check["status"] == "FAIL"] == []
+    assert answer["ok"] is True
+    assert answer["exit status"] == 0
+
+
+def test_the_table_says_the_same_as_the_json(course, answer):
+    lines = course.run().stdout.splitlines()
+    rows = [line for line in lines if line.startswith(("PASS", "WARN", "FAIL"))]
+    assert [row.split()[0] for row in rows] == [check["status"] for check in answer["checks"]]
+    assert lines[-1] == "Next: ./environment-check.sh lab, to set it up and start the course."
+
+
+def test_a_failure_gives_exit_status_1_and_the_cure(course):
+    result = course.run(environ=fresh_environ(PYTHON=BASE_PYTHON, ROS_DOMAIN_ID="300"))
+    assert result.returncode == 1
+    assert "cure: export ROS_DOMAIN_ID=" in result.stdout
+
+
+def test_another_sourced_distribution_is_reported(course, tmp_path):
+    prefix = tmp_path / "opt/ros/humble"
+    (prefix / "share/ament_index/resource_index/packages").mkdir(parents=True)
+    (prefix / "share/ament_index/resource_index/packages/rclpy").touch()
+    sourced = {
+        "AMENT_PREFIX_PATH": str(prefix),
+        "PYTHONPATH": f"{prefix}/lib/python3.10/site-packages",
+        "LD_LIBRARY_PATH": f"{prefix}/lib",
+        "ROS_DISTRO": "humble",
+        "RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp",
+    }
+    result = course.run("--json", environ=fresh_environ(PYTHON=BASE_PYTHON, **sourced))
+    checks = by_name(json.loads(result.stdout))
+    assert checks["sourced ROS"]["status"] == "WARN"
+    assert f"{prefix}/setup.bash" in checks["sourced ROS"]["cure"]
+    assert checks["PYTHONPATH"]["status"] == "PASS"  # the same cause is not reported twice
+    assert checks["RMW_IMPLEMENTATION"]["status"] == "FAIL"
+    assert result.returncode == 1
+
+
+def test_without_any_python_it_says_what_to_install(course, tmp_path):
+    environ = fresh_environ(PATH=without_python(tmp_path))
+    table = course.run(environ=environ)
+    assert table.returncode == 1
+    assert table.stdout.startswith("FAIL  Python ")
+    assert "cure: sudo apt-get install -y python3" in table.stdout
+    checks = json.loads(course.run("--json", environ=environ).stdout)["checks"]
+    assert [(check["name"], check["status"]) for check in checks] == [("Python", "FAIL")]
+    lab = course.run("lab", environ=environ)
+    assert lab.returncode == 1
+    assert "sudo apt-get install -y python3" in lab.stderr
+
+
+def test_a_python_that_is_not_there_is_named(course):
+    result = course.run("lab", environ=fresh_environ(PYTHON="/no/such/python3.12"))
+    assert result.returncode == 1
+    assert "PYTHON=/no/such/python3.12" in result.stderr
+    assert not (course.root / ".venv").exists()
+
+
+@pytest.mark.parametrize("lacking", ["venv", "dev"])
+def test_a_python_without_its_debian_packages_names_them(course, tmp_path, lacking):
+    """Debian's python3 without python3-venv or python3-dev, imitated by one that hides what they install."""
+    hide = {
+        "venv": "import importlib.util as u; find = u.find_spec; "
+        "u.find_spec = lambda name, *a: None if name == 'ensurepip' else find(name, *a)",
+        "dev": "import sysconfig as s; path = s.get_path; "
+        "s.get_path = lambda name, *a, **k: '/nowhere' if name == 'include' else path(name, *a, **k)",
+    }[lacking]
+    program = f"{hide}; import sys, runpy; sys.argv = sys.argv[1:]; runpy.run_module(sys.argv[0], run_name='__main__')"
+    python = tmp_path / "python3"
+    # -c and the program take the place of -m in `python -ESB -m module argument...`.
+    python.write_text(f'#!/bin/sh\nshift 2\nexec "{BASE_PYTHON}" -ESB -c "{program}" "$@"\n')
+    python.chmod(0o755)
+    path = os.pathsep.join(p for p in fresh_environ()["PATH"].split(os.pathsep) if not Path(p, "uv").exists())
+    result = course.run("lab", environ=fresh_environ(PYTHON=str(python), PATH=path))
+    assert result.returncode == 1
+    assert f"sudo apt-get install -y python3.{sys.version_info[1]}-{lacking}" in result.stderr
+    assert not (course.root / ".venv").exists()
+
+
+def test_somebody_elses_venv_is_left_alone(tmp_path):
+    course = CourseCopy(tmp_path)
+    (course.root / ".venv").mkdir()
+    (course.root / ".venv/pyvenv.cfg").write_text("home = /usr/bin\n")
+    result = course.run("lab")
+    assert result.returncode == 1
+    assert "mv .venv .venv-mine" in result.stderr
+    assert (course.root / ".venv/pyvenv.cfg").read_text() == "home = /usr/bin\n"
+
+
+def test_help_and_a_wrong_argument_show_the_usage(course):
+    assert course.run("--help").stdout.startswith("Usage: ./environment-check.sh")
+    wrong = course.run("laboratory")
+    assert wrong.returncode == 2
+    assert "unknown argument: laboratory" in wrong.stderr
+
+
+def test_it_runs_with_another_shell_than_bash(course):
+    result = subprocess.run(
+        ["sh", course.root / "environment-check.sh", "--help"], capture_output=True, text=True, timeout=30, check=True
+    )
+    assert result.stdout.startswith("Usage:")
+
+
+@pytest.mark.skipif(not shutil.which("shellcheck"), reason="needs shellcheck: sudo apt-get install -y shellcheck")
+@pytest.mark.parametrize("script", ["environment-check.sh", ".ci/run"])
+def test_shell_scripts_are_clean(script):
+    result = subprocess.run(["shellcheck", ROOT / script], capture_output=True, text=True, timeout=60, check=False)
+    assert result.stdout == ""

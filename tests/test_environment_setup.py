@@ -1,0 +1,149 @@
+"""environment-check.sh lab and test, for real: set-up, interrupted and twice at once, JupyterLab, the tests."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable
+from dataclasses import dataclass
+from subprocess import CompletedProcess
+from urllib.parse import urlsplit
+
+import pytest
+
+from course_kit.environment import stamp
+from tests.course_copy import ROOT, CourseCopy, fresh_environ
+
+pytestmark = pytest.mark.timeout(900)
+SET_UP_TIMEOUT = 600.0  # a slow network, no cache
+KEPT_TESTS = ("__init__.py", "conftest.py", "test_environment_report.py")
+
+
+def wait_until(condition: Callable[[], object], what: str, timeout: float = SET_UP_TIMEOUT) -> None:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline, f"waited {timeout:g} s for {what}"
+        time.sleep(0.02)
+
+
+@dataclass
+class SetUp:
+    """A course that was set up after an interruption, by two commands at the same time."""
+
+    course: CourseCopy
+    state_after_kill: str
+    first: CompletedProcess
+    second: CompletedProcess
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory) -> SetUp:
+    course = CourseCopy(tmp_path_factory.mktemp("set-up"))
+    for path in (course.root / "tests").iterdir():
+        if path.name not in KEPT_TESTS:
+            path.unlink()
+    interrupted = course.start("lab", "--version")
+    wait_until(lambda: any(course.root.glob(".venv/lib/python3.*/site-packages/*/__init__.py")), "the first packages")
+    os.killpg(interrupted.pid, signal.SIGKILL)
+    interrupted.communicate()
+    state = course.run("--json").stdout
+    commands = [course.start("lab", "--version") for _ in range(2)]
+    results = []
+    for command in commands:
+        output, errors = command.communicate(timeout=SET_UP_TIMEOUT)
+        results.append(CompletedProcess(command.args, command.returncode, output, errors))
+    return SetUp(course, state, *results)
+
+
+def test_an_interrupted_set_up_is_reported_and_the_next_start_makes_it_anew(done):
+    report = {check["name"]: check for check in json.loads(done.state_after_kill)["checks"]}
+    assert report["environment"]["status"] == "WARN"
+    assert "interrupted" in report["environment"]["detail"]
+    assert (done.course.root / ".venv" / stamp.NAME).read_text() != stamp.UNFINISHED
+
+
+def test_of_two_set_ups_at_once_one_works_and_the_other_waits(done):
+    for result in (done.first, done.second):
+        assert result.returncode == 0, result.stderr
+        assert re.fullmatch(r"\d+\.\d+\.\d+\n", result.stdout)  # the answer of `jupyter-lab --version`
+    messages = done.first.stderr + done.second.stderr
+    assert messages.count("Set up in ") == 1
+    assert messages.count("Another set-up of this course is running") == 1
+
+
+def test_afterwards_every_check_passes_and_nothing_is_changed(done, tmp_path):
+    before = done.course.files()
+    result = done.course.run("--json", environ=fresh_environ(HOME=str(tmp_path)))
+    assert result.returncode == 0
+    report = json.loads(result.stdout)
+    assert [check for check in report["checks"] if check["status"] == "FAIL"] == []
+    found = {check["name"]: check["detail"] for check in report["checks"]}
+    assert "message after" in found["ROS 2 node"]
+    assert found["environment"].startswith(str(done.course.root / ".venv"))
+    assert done.course.files() == before
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_second_start_sets_nothing_up(done):
+    begun = time.monotonic()
+    result = done.course.run("lab", "--version")
+    assert result.returncode == 0
+    assert result.stderr == ""
+    assert time.monotonic() - begun < 15  # most of it JupyterLab's own; a set-up takes longer
+
+
+def get(address: str) -> bytes:
+    with urllib.request.urlopen(address, timeout=10) as response:
+        return response.read()
+
+
+def test_lab_serves_the_notebooks_on_localhost_and_only_with_its_token(done, tmp_path):
+    environ = fresh_environ(HOME=str(tmp_path))
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
+        environ.pop(name, None)
+    server = done.course.start("lab", environ=environ)
+    try:
+        lines = iter(server.stdout.readline, "")
+        address = next(line.split()[-1] for line in lines if "Its address: " in line)
+        parts = urlsplit(address)
+        assert (parts.hostname, parts.path) == ("127.0.0.1", "/lab")
+        assert re.fullmatch(r"token=\w{40,}", parts.query)
+        assert b"JupyterLab" in get(address)
+        contents = f"http://127.0.0.1:{parts.port}/api/contents"
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            get(contents)
+        names = {entry["name"] for entry in json.loads(get(f"{contents}?{parts.query}"))["content"]}
+        assert names == {path.name for path in (done.course.root / "notebooks").iterdir()}
+        with pytest.raises(OSError, match="refused"):  # another address of this machine
+            get(f"http://127.0.0.2:{parts.port}/")
+    finally:
+        os.killpg(server.pid, signal.SIGTERM)
+        server.communicate(timeout=30)
+
+
+def test_the_tests_run_after_lint_and_a_lint_error_fails_them(done):
+    for name in ("turtlesim", "live", "ros2", "grading", "exercises"):  # less to type-check
+        shutil.rmtree(done.course.root / "course_kit" / name, ignore_errors=True)
+    (done.course.root / "tests/test_lint_error.py").write_text("import os\n\n\ndef test_good():\n    assert True\n")
+    result = done.course.run("test", "tests/test_lint_error.py", "-q", timeout=300)
+    assert result.returncode != 0
+    assert "F401" in result.stdout
+    assert result.stdout.splitlines()[-1].startswith("1 passed")
+
+
+def test_a_failing_test_fails_the_command(done):
+    (done.course.root / "tests/test_bad.py").write_text("def test_bad():\n    assert 1 == 2\n")
+    result = done.course.run("test", "tests/test_bad.py", "-q", timeout=300)
+    assert result.returncode == 1
+    assert result.stdout.splitlines()[-1].startswith("1 failed")
+
+
+def test_the_course_and_its_copy_have_the_same_notebooks(done):
+    notebooks = sorted(path.name for path in (ROOT / "notebooks").glob("*.ipynb"))
+    assert sorted(path.name for path in (done.course.root / "notebooks").glob("*.ipynb")) == notebooks

@@ -1,0 +1,100 @@
+"""Every notebook: its form, and that it runs top to bottom, twice in one kernel, and with loopback as only network."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+FOLDER = Path(__file__).parents[1] / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
+LOOPBACK_ONLY = ["unshare", "--net", "--", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
+LINES = 15
+
+pytestmark = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+
+
+def cells(path: Path) -> list:
+    return nbformat.read(path, as_version=4).cells
+
+
+def run_nbval(path: Path, *prefix: str) -> None:
+    """Run a notebook as an instructor would, in a process of its own; AssertionError with its report if it fails."""
+    command = [*prefix, sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0"]
+    done = subprocess.run([*command, path], cwd=FOLDER, capture_output=True, text=True, timeout=170)
+    assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
+    count = sum(cell.cell_type == "code" for cell in cells(path))
+    assert f"{count} passed" in done.stdout, done.stdout[-2000:]
+
+
+@pytest.mark.timeout(180)
+def test_runs_top_to_bottom(path):
+    run_nbval(path)
+
+
+@pytest.mark.timeout(180)
+def test_runs_with_loopback_as_the_only_network(path):
+    if os.geteuid() != 0 or not shutil.which("ip"):
+        pytest.skip("a network namespace needs root and the command ip")
+    run_nbval(path, *LOOPBACK_ONLY)
+
+
+@pytest.mark.timeout(240)
+def test_runs_twice_in_one_kernel(path):
+    notebook = nbformat.read(path, as_version=4)
+    notebook.cells = [*notebook.cells, *(cell.copy() for cell in notebook.cells)]
+    for number, cell in enumerate(notebook.cells):
+        cell.id = f"{cell.id}-{number}"
+    NotebookClient(notebook, timeout=60, kernel_name="python3", resources={"metadata": {"path": str(FOLDER)}}).execute()
+
+
+def test_is_valid_and_was_run(path):
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    assert (notebook.nbformat, notebook.nbformat_minor) == (4, 5)
+    counts = [cell.execution_count for cell in notebook.cells if cell.cell_type == "code"]
+    assert counts == list(range(1, len(counts) + 1)), "run all cells in a fresh kernel, then save"
+
+
+def test_cells_are_named_short_and_without_errors(path):
+    names = [cell.id for cell in cells(path)]
+    assert len(set(names)) == len(names)
+    chapter = names[0].split("-")[0]
+    for cell in cells(path):
+        assert re.fullmatch(rf"{chapter}(-[a-z0-9]+)+", cell.id), cell.id
+        if cell.cell_type == "code":
+            lines = [line for line in cell.source.splitlines() if line.strip()]
+            assert len(lines) <= LINES, f"{cell.id} has {len(lines)} lines"
+            assert not any(output.output_type == "error" for output in cell.outputs), cell.id
+
+
+def test_begins_and_ends_as_every_chapter_does(path):
+    text = "\n".join(cell.source for cell in cells(path) if cell.cell_type == "markdown")
+    first = cells(path)[0].source
+    assert re.match(r"# \d · .+\n> .+\n", first)
+    assert all(f"**{word}**" in first for word in ("Goal", "Time", "You need"))
+    headings = re.findall(r"^## (.+)$", text, re.MULTILINE)
+    assert headings[-3:] == ["Summary", "Exercises", "Next"]
+
+
+def test_every_exercise_has_a_cell_for_its_answer(path):
+    roles = {"exercise": [], "answer": []}
+    for cell in cells(path):
+        mark = cell.metadata.get("course_kit")
+        if mark:
+            roles[mark["role"]].append((mark["exercise"], mark["points"]))
+    assert roles["exercise"] == roles["answer"]
+    assert len(roles["exercise"]) >= 3
+
+
+def test_committed_outputs_name_no_path_of_a_machine(path):
+    for cell in cells(path):
+        if cell.cell_type == "code" and "nbval-ignore-output" not in cell.metadata.get("tags", []):
+            assert not re.search(r"/(root|home|tmp|work)/", str(cell.outputs)), cell.id
