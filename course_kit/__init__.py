@@ -17,6 +17,11 @@ EXPORTS = {
     "nodes": "background",
     "wait_for": "waiting",
     "logs": "rosout",
+    "record": "recording",
+    "rates": "rates",
+    "measure_rates": "rates",
+    "plot_pose": "plots",
+    "plot_rates": "plots",
 }
 __all__ = sorted(EXPORTS)
 

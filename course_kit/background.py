@@ -42,7 +42,16 @@ class _Running:
 _lock = threading.RLock()
 _running: dict[str, _Running] = {}
 _listeners: list[Callable[[str, str], None]] = []
-_constructing = threading.local()
+
+
+class _Constructing(threading.local):
+    """The node whose constructor runs in this thread."""
+
+    node: Node | None = None
+    name = ""
+
+
+_constructing = _Constructing()
 
 
 def listen(listener: Callable[[str, str], None]) -> None:
@@ -70,6 +79,7 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
     sys.setswitchinterval(SWITCH_INTERVAL)
     _forget_ended(start)
     made_from: tuple[str, ...] = ()
+    _constructing.name = ""
     if isinstance(node, Node):
         if args or kwargs:
             raise TypeError("arguments are for the constructor: run(NodeClass, ...), not for a node that exists")
@@ -84,9 +94,8 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
         made = _construct(node, args, kwargs)
     name = made.get_fully_qualified_name()
     _replace(name, unless=made)
-    errors.clear(name)
-    errors.reporting.add(name)
-    _tell("starting", name)
+    if name != _constructing.name:
+        _announce(name)
     own = executor_for(made) if executor is None else executor
     spinning = SpinThread(name, own, lambda error: errors.report(name, error))
     with _lock:
@@ -95,6 +104,13 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
     spinning.start()
     _tell("running", name)
     return made  # type: ignore[return-value]
+
+
+def _announce(name: str) -> None:
+    """A node of this name is about to run: before its constructor, so that what that logs finds its place."""
+    errors.clear(name)
+    errors.reporting.add(name)
+    _tell("starting", name)
 
 
 def _recipe(node: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[str, ...]:
@@ -118,8 +134,10 @@ class _Replacing(Node):
 
     def __init__(self, node_name: str, *args: Any, **kwargs: Any) -> None:
         namespace = (kwargs.get("namespace") or "").strip("/")
-        _replace("/" + "/".join(part for part in (namespace, node_name) if part))
-        _constructing.node = self
+        name = "/" + "/".join(part for part in (namespace, node_name) if part)
+        _replace(name)
+        _constructing.node, _constructing.name = self, name
+        _announce(name)
         super().__init__(node_name, *args, **kwargs)
 
 
@@ -134,8 +152,10 @@ def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[st
         made = make(*args, **kwargs)
     except BaseException:
         half_made = _constructing.node
-        if half_made is not None and hasattr(half_made, "_Node__node"):
-            half_made.destroy_node()
+        if half_made is not None:
+            _tell("failed", _constructing.name)
+            if hasattr(half_made, "_Node__node"):  # rclpy had got as far as the graph
+                half_made.destroy_node()
         raise
     finally:
         _constructing.node = None

@@ -1,0 +1,24 @@
+"""What a machine must have for the course, looked at one check a function.
+
+This package is part of every start of Python in the course's environment, so importing it loads nothing.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False  # type checkers take it for True; importing typing would cost every start 5 ms
+if TYPE_CHECKING:
+    from course_kit.environment.report import Check, Report
+
+
+def check() -> list[Check]:
+    """Every check of this machine and of the environment that this Python runs in; takes about 2 s."""
+    from course_kit.environment import checklist
+
+    return checklist.of_this_python()
+
+
+def check_environment() -> Report:
+    """The same as a table that a notebook shows; `.failed` lists what has to be cured."""
+    from course_kit.environment.report import Report
+
+    return Report(check())

@@ -105,9 +105,7 @@ def _generate(packages: dict[str, Path], work: Path) -> Generated:
             for name, description in described.items()
             for generator, arguments in description.result().items()
         }
-        return {
-            name: {g: sorted({str(f) for f in runs[name, g].result()}) for g in GENERATORS} for name in packages
-        }
+        return {name: {g: sorted({str(f) for f in runs[name, g].result()}) for g in GENERATORS} for name in packages}
 
 
 def _discard_stdout() -> None:
@@ -132,8 +130,7 @@ def _describe(package: str, source: Path, work: Path) -> dict[str, dict[str, Any
     _run_generator("rosidl_generator_type_description", common, work)
     common["type_description_tuples"] = [f"{idl}:{out / idl.with_suffix('.json')}" for idl in idls]
     return {
-        name: common
-        | {"template_dir": str(share / name / "resource"), "output_dir": str(work / name / package)}
+        name: common | {"template_dir": str(share / name / "resource"), "output_dir": str(work / name / package)}
         for name in GENERATORS
     }
 

@@ -13,7 +13,7 @@ from course_kit import background, context, errors, rosout
 LAST_LINES = 8
 # Seconds between two updates of a console: a node may log a thousand times a second.
 PERIOD = 0.25
-STATES = {"starting": "▶", "running": "▶", "stopped": "■"}
+STATES = {"running": "▶", "stopped": "■", "failed": "✘"}
 
 
 class Console:
@@ -63,7 +63,7 @@ def _on_event(event: str, name: str) -> None:
         _consoles[name] = Console(name)
     elif name in _consoles:
         _consoles[name].state = event
-        if event == "stopped":
+        if event != "running":
             _mark(name)
 
 

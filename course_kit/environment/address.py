@@ -1,0 +1,55 @@
+"""Prints the address of the JupyterLab that a process has started, once it answers.
+
+    python -m course_kit.environment.address 1234
+
+JupyterLab itself hides it among other lines, and its token is known only when it runs.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from jupyter_core.paths import jupyter_runtime_dir
+
+from course_kit.environment.notebook import has_browser
+
+TIMEOUT = 60.0
+PAUSE = 0.1
+
+
+def address(process: int, folder: Path, timeout: float = TIMEOUT) -> str | None:
+    """The address with its token, or None if the process ended or did not start a server in time."""
+    announcement = folder / f"jpserver-{process}.json"
+    begun = time.monotonic()
+    while time.monotonic() < begun + timeout and _runs(process):
+        try:
+            server = json.loads(announcement.read_text())
+        except (OSError, ValueError):  # not written yet, or half of it
+            time.sleep(PAUSE)
+            continue
+        token = f"?token={server['token']}" if server["token"] else ""
+        return f"{server['url']}lab{token}"
+    return None
+
+
+def _runs(process: int) -> bool:
+    try:  # a process that has ended and that nobody has waited for keeps its folder in /proc, but not this link
+        os.readlink(f"/proc/{process}/exe")
+    except OSError:
+        return False
+    return True
+
+
+if __name__ == "__main__":
+    found = address(int(sys.argv[1]), Path(jupyter_runtime_dir()))
+    if found:
+        print(f"\nJupyterLab runs (Ctrl-C twice ends it). Its address: {found}", flush=True)
+        if not has_browser(os.environ):
+            port = urlsplit(found).port
+            tunnel = f"ssh -L {port}:{urlsplit(found).hostname}:{port} {os.uname().nodename}"
+            print(f"For a browser on another machine, run this there first: {tunnel}", flush=True)

@@ -1,0 +1,151 @@
+"""A Python that the course could run on, or runs on: what it is and what it lacks.
+
+environment-check.sh runs this file with each Python it finds, so it must not need anything newer than 3.10:
+
+    python -m course_kit.environment.interpreter    exit status 0: fit; 3: another version is needed;
+                                                    4: the packages printed have to be installed first
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from course_kit.environment.activation import RosInstallation, sourced_ros
+
+OLDEST, NEWEST = (3, 10), (3, 13)  # the ROS 2 wheels exist for these
+INTERFACES = Path(__file__).resolve().parents[1] / "interfaces"
+WRONG_VERSION, LACKS_PACKAGES = 3, 4
+TIMEOUT = 30.0
+
+
+@dataclass(frozen=True)
+class Interpreter:
+    """Facts about one Python."""
+
+    path: str
+    version: tuple[int, int, int]
+    prefix: str
+    has_venv: bool
+    has_headers: bool
+    distributions: Mapping[str, str] = field(default_factory=dict)  # name -> version, of what is installed
+    unmet: Sequence[str] = ()  # pins of the lock that are not installed at their version
+    rclpy: str = ""  # the folder that `import rclpy` would load
+
+    @property
+    def release(self) -> str:
+        return ".".join(map(str, self.version))
+
+    @property
+    def minor(self) -> str:
+        return ".".join(map(str, self.version[:2]))
+
+
+def supported(version: Sequence[int], ros: RosInstallation | None) -> bool:
+    """Whether the course runs on this version: that of a sourced ROS 2 where there is one."""
+    if ros is not None:
+        minor = ".".join(map(str, version[:2]))
+        return (ros.prefix / f"lib/python{minor}/site-packages/rclpy").is_dir()
+    return OLDEST <= tuple(version[:2]) <= NEWEST
+
+
+def interfaces_to_compile(ros: RosInstallation | None) -> list[str]:
+    """The interface packages that no sourced ROS 2 brings."""
+    names = sorted(path.parent.name for path in INTERFACES.glob("*/package.xml"))
+    return [name for name in names if ros is None or not ros.has_package(name)]
+
+
+def lacking(version: Sequence[int], has_venv: bool, has_headers: bool, compiles: bool) -> list[str]:
+    """The apt packages that this Python needs before the course can be set up."""
+    name = f"python{version[0]}.{version[1]}"
+    needs = {f"{name}-venv": not has_venv, f"{name}-dev": compiles and not has_headers}
+    return [package for package, needed in needs.items() if needed]
+
+
+def has_module(name: str) -> bool:
+    return importlib.util.find_spec(name) is not None
+
+
+def this_interpreter() -> Interpreter:
+    """The Python that runs this."""
+    return Interpreter(
+        path=sys.executable,
+        version=sys.version_info[:3],
+        prefix=sys.prefix,
+        has_venv=has_module("venv") and has_module("ensurepip"),
+        has_headers=Path(sysconfig.get_path("include"), "Python.h").exists(),
+    )
+
+
+def this_environment() -> Interpreter:
+    """The same with what is installed."""
+    from importlib.metadata import distributions
+
+    from course_kit.environment import pins
+
+    installed = {d.metadata["Name"].lower().replace("_", "-"): d.version for d in distributions()}
+    wanted = _applicable(pins.requirements(with_ros=sourced_ros(os.environ) is None))
+    spec = importlib.util.find_spec("rclpy")
+    facts = asdict(this_interpreter()) | {
+        "distributions": installed,
+        "unmet": [f"{name}=={version}" for name, version in wanted if installed.get(name) != version],
+        "rclpy": str(Path(spec.origin).parent) if spec and spec.origin else "",
+    }
+    return Interpreter(**facts)
+
+
+def _applicable(requirements: Sequence[str]) -> list[tuple[str, str]]:
+    """(name, version) of the pins meant for this Python and machine; none if nothing is installed to tell."""
+    try:
+        from packaging.requirements import Requirement
+    except ImportError:
+        return [("packaging", "")]  # JupyterLab depends on it, so the environment is not complete
+    parsed = [Requirement(line) for line in requirements]
+    return [
+        (r.name.lower(), next(iter(r.specifier)).version)
+        for r in parsed
+        if r.marker is None or r.marker.evaluate()
+    ]
+
+
+def probe(python: str, environ: Mapping[str, str], installed: bool) -> Interpreter:
+    """Ask another Python; `installed` also for its packages. OSError or ValueError if it does not answer."""
+    module = ["-m", "course_kit.environment.interpreter", "--json"]
+    answer = subprocess.run(
+        [python, "-B", *module, "--installed"] if installed else [python, "-ESB", *module],
+        cwd=INTERFACES.parents[1],
+        env=dict(environ),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+    if answer.returncode:
+        lines = answer.stderr.strip().splitlines()
+        raise ValueError(lines[-1] if lines else f"exit status {answer.returncode}")
+    facts = json.loads(answer.stdout)
+    return Interpreter(**facts | {"version": tuple(facts["version"])})
+
+
+def main(arguments: Sequence[str]) -> int:
+    if "--json" in arguments:
+        found = this_environment() if "--installed" in arguments else this_interpreter()
+        print(json.dumps(asdict(found)))
+        return 0
+    ros, python = sourced_ros(os.environ), this_interpreter()
+    if not supported(python.version, ros):
+        return WRONG_VERSION
+    packages = lacking(python.version, python.has_venv, python.has_headers, bool(interfaces_to_compile(ros)))
+    print(*packages)
+    return LACKS_PACKAGES if packages else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

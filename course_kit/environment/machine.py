@@ -1,0 +1,145 @@
+"""Checks of the machine: operating system, C library, processor, memory, disk."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from course_kit.environment.report import Check, fail, passed, warn
+
+OLDEST_GLIBC = (2, 28)  # the ROS 2 wheels are manylinux_2_28
+NEEDED_MEMORY = 1000  # MB: JupyterLab, two kernels, a browser page
+NEEDED_DISK = 1500  # MB: the environment, what is compiled, the installer's cache
+SPARE_DISK = 200  # MB: recordings, bags, workspaces of the chapters
+USE_JAZZY = "use Ubuntu 24.04 with ROS 2 Jazzy from apt: source /opt/ros/jazzy/setup.bash"
+
+
+def operating_system(system: str, release: Mapping[str, str]) -> Check:
+    """Linux, also in a container or in WSL 2. `release` holds the fields of /etc/os-release."""
+    name = "operating system"
+    if system != "Linux":
+        return fail(
+            name,
+            system,
+            "the packages of ROS 2 that the course installs are made for Linux",
+            "on Windows: wsl --install Ubuntu-24.04; on macOS use a Linux container or virtual machine",
+        )
+    return passed(name, release.get("PRETTY_NAME", "Linux"))
+
+
+def os_release() -> dict[str, str]:
+    """The fields of /etc/os-release; empty where there is none."""
+    try:
+        return platform.freedesktop_os_release()
+    except OSError:
+        return {}
+
+
+def c_library_version() -> str:
+    """For example "glibc 2.36"; empty if it is not the GNU C library."""
+    try:
+        return os.confstr("CS_GNU_LIBC_VERSION") or ""
+    except (ValueError, OSError):
+        return ""
+
+
+def c_library(version: str) -> Check:
+    """At least glibc 2.28, which the ROS 2 wheels are built for. `version` as "glibc 2.36", or empty."""
+    name = "C library"
+    library, _, number = version.partition(" ")
+    try:
+        new_enough = library == "glibc" and tuple(int(part) for part in number.split(".")[:2]) >= OLDEST_GLIBC
+    except ValueError:
+        new_enough = False
+    if new_enough:
+        return passed(name, version)
+    needed = ".".join(map(str, OLDEST_GLIBC))
+    return fail(
+        name,
+        version or "not the GNU C library",
+        f"the wheels of ROS 2 need glibc {needed} or newer; Alpine's musl does not run them",
+        "use a newer distribution: Debian 10, Ubuntu 20.04, Fedora 29 and later have it",
+    )
+
+
+def architecture(machine: str, sourced: bool) -> Check:
+    """x86_64 for the ROS 2 wheels; whatever a sourced ROS 2 Jazzy runs on where there is one."""
+    if sourced or machine == "x86_64":
+        return passed("architecture", machine)
+    return fail("architecture", machine, "the wheels of ROS 2 exist for x86_64 only", USE_JAZZY)
+
+
+def available_memory(
+    meminfo: Path = Path("/proc/meminfo"), cgroup: Path = Path("/sys/fs/cgroup")
+) -> tuple[int, int]:
+    """Available and total memory in MB, within the limit of a container if there is one."""
+    system = _fields(meminfo)
+    total, available = system["MemTotal:"] // 1000, system["MemAvailable:"] // 1000  # from kB
+    try:
+        limit, used = (int((cgroup / name).read_text()) for name in ("memory.max", "memory.current"))
+        reclaimable = _fields(cgroup / "memory.stat")["inactive_file"]
+    except (OSError, ValueError, KeyError):  # no container, or no limit
+        return available, total
+    return min(available, (limit - used + reclaimable) // 1_000_000), min(total, limit // 1_000_000)
+
+
+def _fields(path: Path) -> dict[str, int]:
+    """Lines such as "MemTotal: 1000 kB" or "inactive_file 4096" as numbers."""
+    words = (line.split() for line in path.read_text().splitlines())
+    return {fields[0]: int(fields[1]) for fields in words if len(fields) > 1}
+
+
+def memory(available: int, total: int) -> Check:
+    """Enough of it free for JupyterLab, the kernels and a browser; both in MB."""
+    name, detail = "memory", f"{available} of {total} MB available"
+    if available >= NEEDED_MEMORY:
+        return passed(name, detail)
+    if total < NEEDED_MEMORY // 2:
+        return fail(
+            name,
+            detail,
+            "JupyterLab with one notebook takes about 500 MB, so this machine would kill the kernel",
+            "give the machine or the container more memory, for example: docker run --memory=2g",
+        )
+    return warn(
+        name,
+        detail,
+        f"JupyterLab, two kernels and a browser take up to {NEEDED_MEMORY} MB; with less all gets slow",
+        "close other programs; this shows the largest: ps aux --sort=-rss | head",
+    )
+
+
+def disk(folder: Path, ready: bool) -> Check:
+    """Room for the environment, or once it is there for what the chapters write; and the right to write."""
+    free = shutil.disk_usage(folder).free // 1_000_000
+    return disk_space(folder, free, os.access(folder, os.W_OK), ready)
+
+
+def disk_space(folder: Path, free: int, writable: bool, ready: bool) -> Check:
+    """The same from figures: `free` in MB."""
+    name, detail = "disk", f"{free} MB free in {folder}"
+    if not writable and not ready:
+        return fail(
+            name,
+            f"{folder} cannot be written",
+            "set-up makes the environment in the course's own folder",
+            f"work in a copy of your own: cp -r '{folder}' ~/course && cd ~/course",
+        )
+    if not ready and free < NEEDED_DISK:
+        return fail(
+            name,
+            detail,
+            f"set-up needs {NEEDED_DISK} MB",
+            "free some space; this shows where it went: du -xh ~ | sort -h | tail",
+        )
+    if free < SPARE_DISK:
+        return warn(
+            name,
+            detail,
+            "recordings, bags and workspaces need room; a full disk makes saving a notebook fail",
+            "free some space; this shows where it went: du -xh ~ | sort -h | tail",
+        )
+    return passed(name, detail)

@@ -1,0 +1,90 @@
+"""Checks of what messages travel over: the loopback interface, shared memory, the port of JupyterLab."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+from pathlib import Path
+
+from course_kit.environment.report import Check, fail, passed, warn
+
+LOOPBACK = "127.0.0.1"
+SHARED_MEMORY = Path("/dev/shm")
+NEEDED_SHARED_MEMORY = 32  # MB: each process with nodes takes 0.6, images come on top
+LAB_PORT = 8888
+LAB_PORTS = range(LAB_PORT, LAB_PORT + 51)  # JupyterLab tries the next ones when its own is taken
+PACKET_TIMEOUT = 2.0
+
+
+def loopback(address: str = LOOPBACK) -> Check:
+    """A UDP packet from this machine to itself, as DDS sends them."""
+    name = "loopback"
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+            receiver.settimeout(PACKET_TIMEOUT)
+            receiver.bind((address, 0))
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+                sender.sendto(b"course_kit", receiver.getsockname())
+            receiver.recv(64)
+    except OSError as error:
+        return fail(
+            name,
+            f"no UDP packet gets through {address}: {error}",
+            "nodes in different processes find each other through it",
+            "sudo ip link set lo up, and let the firewall pass UDP on lo",
+        )
+    return passed(name, f"a UDP packet gets through {address}")
+
+
+def shared_memory(folder: Path = SHARED_MEMORY) -> Check:
+    """Writable and large enough; DDS passes messages through it."""
+    name = "shared memory"
+    if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
+        return warn(
+            name,
+            f"{folder} is not there" if not folder.is_dir() else f"{folder} cannot be written",
+            "DDS complains at every start and sends large messages the slow way, through UDP",
+            f"sudo mount -t tmpfs -o mode=1777,size=512m tmpfs {folder}",
+        )
+    return shared_memory_space(folder, shutil.disk_usage(folder).free // 1_000_000)
+
+
+def shared_memory_space(folder: Path, free: int) -> Check:
+    """The same from a figure: `free` in MB."""
+    name = "shared memory"
+    if free >= NEEDED_SHARED_MEMORY:
+        return passed(name, f"{free} MB free in {folder}")
+    return warn(
+        name,
+        f"{free} MB free in {folder}",
+        "each process with nodes takes 0.6 MB, and what a killed one held stays; without it DDS gets slow",
+        ".venv/bin/fastdds shm clean, or give a container more: docker run --shm-size=512m",
+    )
+
+
+def is_free(port: int, address: str = LOOPBACK) -> bool:
+    """Whether a server could listen there."""
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((address, port))
+        except OSError:
+            return False
+    return True
+
+
+def ports(candidates: range = LAB_PORTS) -> Check:
+    """A port for JupyterLab: its own, else one of the next."""
+    name = "port"
+    free = next((port for port in candidates if is_free(port)), None)
+    if free is None:
+        return fail(
+            name,
+            f"{candidates[0]} to {candidates[-1]} are all taken",
+            "JupyterLab has no port to listen on",
+            "jupyter server list shows running ones: stop some, or: ./environment-check.sh lab --port=9999",
+        )
+    if free == candidates[0]:
+        return passed(name, f"{free} is free for JupyterLab")
+    return passed(name, f"{candidates[0]} is taken, JupyterLab will use {free}")

@@ -1,0 +1,154 @@
+"""Checks of Python: its version, the environment made with it, what gets in its way, the compiler."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from course_kit.environment import stamp
+from course_kit.environment.activation import RosInstallation, split_paths
+from course_kit.environment.interpreter import (
+    NEWEST,
+    OLDEST,
+    Interpreter,
+    interfaces_to_compile,
+    lacking,
+    supported,
+)
+from course_kit.environment.report import Check, fail, passed, warn
+
+SET_UP = "./environment-check.sh lab"
+RENEW = f"rm -rf .venv && {SET_UP}"
+# Packages that the course brings; another copy on PYTHONPATH would be loaded instead of it.
+OURS = ("rclpy", "rosidl_runtime_py", "turtlesim", "example_interfaces", "std_msgs", "numpy", "matplotlib")
+ROS_PACKAGES = ("rclpy", "std_msgs", "example_interfaces", "turtlesim")
+
+STATES = {
+    stamp.MISSING: "not set up yet",
+    stamp.UNFINISHED: "a set-up was interrupted, or still runs",
+    stamp.OUTDATED: "set up for another version of the course, another Python, ROS 2 or folder",
+    stamp.INCOMPLETE: "not made by this script, and the course is not in it",
+}
+
+
+def not_set_up(name: str) -> Check:
+    """For everything that set-up will bring."""
+    return warn(name, "not set up yet", "it comes with the environment of the course", SET_UP)
+
+
+def version(python: Interpreter, ros: RosInstallation | None) -> Check:
+    """Python 3.10 to 3.13, and with a sourced ROS 2 the one that ROS 2 is built for."""
+    name, detail = "Python", f"{python.release} ({python.path})"
+    if supported(python.version, ros):
+        return passed(name, detail)
+    if ros is not None:
+        return fail(
+            name,
+            detail,
+            f"the ROS 2 in {ros.prefix} is compiled for another Python, and rclpy loads in that one only",
+            "PYTHON=/usr/bin/python3 ./environment-check.sh lab",
+        )
+    oldest, newest = (".".join(map(str, v)) for v in (OLDEST, NEWEST))
+    return fail(
+        name,
+        detail,
+        f"the wheels of ROS 2 exist for Python {oldest} to {newest}",
+        f"name another, for example: PYTHON=/usr/bin/python3.12 {SET_UP}",
+    )
+
+
+def set_up(root: Path, state: str, python: Interpreter) -> Check:
+    """The environment in .venv: there, finished and of this version of the course."""
+    name = "environment"
+    if state in stamp.USABLE:
+        if python.unmet:
+            return unmet_pins(name, python.unmet)
+        return passed(name, f"{python.prefix} with {len(python.distributions)} packages")
+    if state == stamp.INCOMPLETE:
+        reason = "set-up makes .venv itself and touches none that somebody else made"
+        return fail(name, f"{root / '.venv'}: {STATES[state]}", reason, f"mv .venv .venv-mine && {SET_UP}")
+    return warn(name, STATES[state], "the notebooks run in an environment that set-up makes in .venv", SET_UP)
+
+
+def unmet_pins(name: str, unmet: Sequence[str]) -> Check:
+    """Packages of the lock that are missing or have another version."""
+    listed = ", ".join(unmet[:3]) + (" ..." if len(unmet) > 3 else "")
+    return warn(
+        name,
+        f"{len(unmet)} packages are missing or have another version than the course's: {listed}",
+        "the course is tested with exactly its pinned versions",
+        RENEW,
+    )
+
+
+def venv_module(python: Interpreter, ready: bool) -> Check:
+    """Debian and Ubuntu ship the venv module as a package of its own."""
+    name = "venv module"
+    if ready or python.has_venv:
+        return passed(name, "not needed any more" if ready else "there")
+    packages = lacking(python.version, has_venv=False, has_headers=True, compiles=False)
+    return fail(
+        name,
+        "missing",
+        "set-up makes the environment with it",
+        f"sudo apt-get install -y {' '.join(packages)}",
+    )
+
+
+def conda(environ: Mapping[str, str]) -> Check:
+    """An active conda environment."""
+    folder = environ.get("CONDA_PREFIX", "")
+    if not folder:
+        return passed("conda", "no conda environment is active")
+    return warn(
+        "conda",
+        f"{folder} is active",
+        "its compiler, libraries and Python come first and can mix with those of ROS 2",
+        "conda deactivate",
+    )
+
+
+def python_path(environ: Mapping[str, str], ros_prefixes: Sequence[Path]) -> Check:
+    """PYTHONPATH entries other than those of a sourced ROS 2, which has a check of its own."""
+    name = "PYTHONPATH"
+    foreign = [
+        entry
+        for entry in split_paths(environ.get(name, ""))
+        if not any(Path(entry).is_relative_to(prefix) for prefix in ros_prefixes)
+    ]
+    if not foreign:
+        return passed(name, "nothing foreign")
+    shadows = [package for package in OURS if any(Path(entry, package).is_dir() for entry in foreign)]
+    if not shadows:
+        reason = "modules in these folders come before the course's own"
+        return warn(name, " ".join(foreign), reason, f"unset {name}")
+    reason = f"Python would load {', '.join(shadows)} from there and not from the course's environment"
+    report = fail if set(shadows) & set(ROS_PACKAGES) else warn
+    return report(name, " ".join(foreign), reason, f"unset {name}")
+
+
+def compiler(
+    environ: Mapping[str, str], python: Interpreter, ros: RosInstallation | None, ready: bool
+) -> Check:
+    """What compiling the interfaces at set-up needs: Python.h and a C++ compiler, or ziglang in its place."""
+    name, packages = "compiler", interfaces_to_compile(ros)
+    if ready or not packages:
+        return passed(name, "not needed: the interfaces are compiled" if ready else "not needed")
+    if not python.has_headers:
+        needed = lacking(python.version, has_venv=True, has_headers=False, compiles=True)
+        return fail(
+            name,
+            f"Python.h of {python.path} is missing",
+            f"set-up compiles {' and '.join(packages)} for Python",
+            f"sudo apt-get install -y {' '.join(needed)}",
+        )
+    found = environ.get("CXX") or shutil.which("c++", path=environ.get("PATH"))
+    if found:
+        return passed(name, found)
+    return warn(
+        name,
+        "no c++",
+        "set-up will fetch the compiler ziglang instead (100 MB) and take about 2 minutes longer",
+        "sudo apt-get install -y g++",
+    )

@@ -1,0 +1,114 @@
+"""What the checks found: as a table for terminals, as HTML for notebooks and as JSON for programs."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+PASS, WARN, FAIL = "PASS", "WARN", "FAIL"
+ANSI = {PASS: "32", WARN: "33", FAIL: "31"}  # green, yellow, red
+# White on these is readable on a light and on a dark page.
+BADGE = {PASS: "#2e7d32", WARN: "#a15c00", FAIL: "#c62828"}
+
+
+@dataclass(frozen=True)
+class Check:
+    """What one check found. `reason` says why it matters, `cure` is the command that puts it right.
+
+    Raises ValueError for a WARN or FAIL that does not say both.
+    """
+
+    name: str
+    status: str
+    detail: str
+    reason: str = ""
+    cure: str = ""
+
+    def __post_init__(self) -> None:
+        if self.status != PASS and not (self.reason and self.cure):
+            raise ValueError(f"check {self.name!r} is {self.status} without a reason and a cure")
+
+
+def passed(name: str, detail: str) -> Check:
+    return Check(name, PASS, detail)
+
+
+def warn(name: str, detail: str, reason: str, cure: str) -> Check:
+    return Check(name, WARN, detail, reason, cure)
+
+
+def fail(name: str, detail: str, reason: str, cure: str) -> Check:
+    return Check(name, FAIL, detail, reason, cure)
+
+
+def failed(checks: Sequence[Check]) -> list[Check]:
+    """The checks that keep the course from working."""
+    return [check for check in checks if check.status == FAIL]
+
+
+def summary(checks: Sequence[Check]) -> str:
+    """One line: how many checks passed, warned and failed."""
+    counts = [f"{sum(c.status == status for c in checks)} {status}" for status in (PASS, WARN, FAIL)]
+    return f"{len(checks)} checks: {', '.join(counts)}"
+
+
+def text(checks: Sequence[Check], colour: bool = False) -> str:
+    """A table with a line for each check; under a WARN or FAIL the reason and the cure."""
+    width = max((len(check.name) for check in checks), default=0)
+    lines = []
+    for check in checks:
+        status = f"\033[{ANSI[check.status]}m{check.status}\033[0m" if colour else check.status
+        lines.append(f"{status}  {check.name:<{width}}  {check.detail}")
+        if check.status != PASS:
+            lines.append(f"{'':<{width + 8}}why:  {check.reason}")
+            lines.append(f"{'':<{width + 8}}cure: {check.cure}")
+    return "\n".join([*lines, summary(checks)])
+
+
+def as_json(checks: Sequence[Check]) -> str:
+    """{"ok": bool, "checks": [{"name", "status", "detail", "reason", "cure"}, ...]}"""
+    return json.dumps({"ok": not failed(checks), "checks": [asdict(check) for check in checks]}, indent=2)
+
+
+def as_html(checks: Sequence[Check]) -> str:
+    """The table for a notebook. Text keeps the page's own colour, so that light and dark themes both work."""
+    left = 'style="text-align:left;vertical-align:top"'
+    rows = "".join(
+        f"<tr><td {left}>{_badge(check.status)}</td><td {left}>{html.escape(check.name)}</td>"
+        f"<td {left}>{_html_details(check)}</td></tr>"
+        for check in checks
+    )
+    head = f"<tr><th {left}></th><th {left}>check</th><th {left}>found</th></tr>"
+    return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table><p>{summary(checks)}</p>"
+
+
+def _badge(status: str) -> str:
+    style = f"background:{BADGE[status]};color:#fff;border-radius:3px;padding:1px 6px;font-weight:bold"
+    return f'<span style="{style}">{status}</span>'
+
+
+def _html_details(check: Check) -> str:
+    detail = html.escape(check.detail)
+    if check.status == PASS:
+        return detail
+    return f"{detail}<br>{html.escape(check.reason)}<br><code>{html.escape(check.cure)}</code>"
+
+
+class Report:
+    """Checks as a notebook shows them."""
+
+    def __init__(self, checks: Sequence[Check]) -> None:
+        self.checks = list(checks)
+
+    @property
+    def failed(self) -> list[Check]:
+        """The checks that keep the course from working; empty when all is well."""
+        return failed(self.checks)
+
+    def __repr__(self) -> str:
+        return text(self.checks)
+
+    def _repr_html_(self) -> str:
+        return as_html(self.checks)

@@ -1,0 +1,204 @@
+"""Checks of ROS 2: which one is used, whether a message gets through, domain, discovery, middleware."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from course_kit.environment.activation import (
+    DISTRO,
+    RosInstallation,
+    sourced_ros,
+    split_paths,
+    user_domain,
+)
+from course_kit.environment.interpreter import Interpreter
+from course_kit.environment.python import RENEW, not_set_up
+from course_kit.environment.report import Check, fail, passed, warn
+
+MESSAGE_TIMEOUT = 10.0  # discovery after peers that died takes up to 3 s
+PROCESS_TIMEOUT = 30.0
+LARGEST_DOMAIN = 232  # above it the port numbers of DDS end
+LARGEST_SAFE_DOMAIN = 101  # above it DDS's ports are those that Linux gives to any program
+UNSOURCE = "open a terminal without it: take the line `source {}/setup.bash` out of ~/.bashrc"
+
+
+def installation(ros: RosInstallation | None, python: Interpreter, ready: bool) -> Check:
+    """The ROS 2 that the notebooks will use: a sourced Jazzy, else the wheels in the environment."""
+    name = "ROS 2"
+    if not ready:
+        if ros is not None:
+            return passed(name, f"Jazzy from {ros.prefix}, and the course will use it")
+        return not_set_up(name)
+    if ros is None:
+        version = python.distributions.get("ros-jazzy-rclpy", "")
+        if version and Path(python.rclpy).is_relative_to(python.prefix):
+            return passed(name, f"Jazzy from the wheels in the environment: rclpy {version}")
+    elif python.rclpy and Path(python.rclpy).is_relative_to(ros.prefix):
+        return passed(name, f"Jazzy from {ros.prefix}")
+    return fail(
+        name,
+        f"rclpy comes from {python.rclpy}" if python.rclpy else f"no rclpy for {python.path}",
+        f"it should come from {ros.prefix if ros else python.prefix}; else it is another or half a ROS 2",
+        RENEW,
+    )
+
+
+def other_installations(installations: Sequence[RosInstallation], environ: Mapping[str, str]) -> Check:
+    """A sourced ROS of another distribution, or two at once."""
+    name, distro = "sourced ROS", environ.get("ROS_DISTRO", "")
+    prefixes = [str(ros.prefix) for ros in installations]
+    foreign = [ros for ros in installations if ros.distro != DISTRO]
+    if foreign or (distro not in ("", DISTRO) and not installations):
+        where = str(foreign[0].prefix) if foreign else f"/opt/ros/{distro}"
+        return warn(
+            name,
+            f"{distro or foreign[0].distro} is sourced ({where}), the course is for {DISTRO}",
+            "the course takes it out of its own processes; others of this terminal would mix the two",
+            UNSOURCE.format(where),
+        )
+    if len(prefixes) > 1:
+        return fail(
+            name,
+            f"several are sourced: {' '.join(prefixes)}",
+            "libraries of two installations in one process end in crashes that look like bugs of yours",
+            UNSOURCE.format(prefixes[-1]),
+        )
+    return passed(name, f"{DISTRO} from {prefixes[0]}" if prefixes else "none, the course brings its own")
+
+
+@dataclass(frozen=True)
+class RoundTrip:
+    """Seconds that a node and a message took; `message` is None if none came, `error` what went wrong."""
+
+    rmw: str = ""
+    node: float = 0.0
+    message: float | None = None
+    error: str = ""
+
+
+def round_trip(
+    python: str,
+    environ: Mapping[str, str],
+    message_timeout: float = MESSAGE_TIMEOUT,
+    timeout: float = PROCESS_TIMEOUT,
+) -> RoundTrip:
+    """Really start two nodes with that Python and send one message; timeouts in seconds."""
+    process = subprocess.Popen(
+        [python, "-B", "-m", "course_kit.environment.round_trip", str(message_timeout)],
+        cwd=Path(__file__).resolve().parents[2],
+        env=dict(environ),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        output, errors = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        return RoundTrip(error=f"no answer from rclpy in {timeout:g} s")
+    lines = errors.strip().splitlines()
+    if process.returncode:
+        return RoundTrip(error=lines[-1] if lines else f"rclpy ended with exit status {process.returncode}")
+    return RoundTrip(**json.loads(output.splitlines()[-1]))
+
+
+def node(result: RoundTrip) -> Check:
+    """Whether a node starts and a message gets from one process to another."""
+    name = "ROS 2 node"
+    if result.error:
+        return fail(
+            name,
+            result.error,
+            "rclpy does not start a node; the lines ROS 2, RMW_IMPLEMENTATION and PYTHONPATH may say more",
+            RENEW,
+        )
+    if result.message is None:
+        return fail(
+            name,
+            f"a node starts, but no message came from another process",
+            "something keeps DDS from the loopback network or from shared memory",
+            "unset ROS_AUTOMATIC_DISCOVERY_RANGE ROS_DISCOVERY_SERVER FASTRTPS_DEFAULT_PROFILES_FILE",
+        )
+    return passed(
+        name, f"started in {result.node:.2f} s, message after {result.message:.2f} s ({result.rmw})"
+    )
+
+
+def domain(environ: Mapping[str, str], uid: int) -> Check:
+    """ROS_DOMAIN_ID: a number from 0 to 232, best up to 101."""
+    name = "ROS_DOMAIN_ID"
+    value = environ.get(name, "")
+    if not value:
+        return passed(name, f"not set: the course uses {user_domain(uid)}, a domain of your own")
+    cure = f"export {name}={user_domain(uid)}"
+    if not value.isascii() or not value.isdigit() or int(value) > LARGEST_DOMAIN:
+        return fail(name, value, f"ROS 2 has the domains 0 to {LARGEST_DOMAIN} and no others", cure)
+    if int(value) > LARGEST_SAFE_DOMAIN:
+        reason = f"above {LARGEST_SAFE_DOMAIN} any other program may already have the ports that DDS needs"
+        return warn(name, value, reason, cure)
+    return passed(name, value)
+
+
+def discovery(environ: Mapping[str, str]) -> Check:
+    """Which machines the nodes look for others on."""
+    name, variable = "discovery range", "ROS_AUTOMATIC_DISCOVERY_RANGE"
+    if environ.get("ROS_LOCALHOST_ONLY") == "1":
+        return passed(name, "this machine only (ROS_LOCALHOST_ONLY=1)")
+    value = environ.get(variable, "")
+    if not value and "ROS_LOCALHOST_ONLY" not in environ:
+        return passed(name, "not set: the course stays on this machine (LOCALHOST)")
+    if value == "OFF":
+        return fail(
+            name,
+            value,
+            "nodes find no other process, so neither the turtle nor the checks of the exercises",
+            f"export {variable}=LOCALHOST",
+        )
+    if value in ("SUBNET", "SYSTEM_DEFAULT", ""):
+        return warn(
+            name,
+            value or "ROS_LOCALHOST_ONLY=0",
+            "your nodes and those of everybody in this network with your domain drive each other's robots",
+            f"unset ROS_LOCALHOST_ONLY; export {variable}=LOCALHOST",
+        )
+    if value != "LOCALHOST":
+        reason = (
+            "ROS 2 knows LOCALHOST, SUBNET, OFF and SYSTEM_DEFAULT, and warns at every start about others"
+        )
+        return warn(name, value, reason, f"export {variable}=LOCALHOST")
+    return passed(name, value)
+
+
+def middleware(environ: Mapping[str, str], ros: RosInstallation | None, prefix: str, ready: bool) -> Check:
+    """RMW_IMPLEMENTATION names a middleware that is installed."""
+    name = "RMW_IMPLEMENTATION"
+    value = environ.get(name, "")
+    if not value:
+        return passed(name, "not set: ROS 2 takes its default, Fast DDS")
+    folders = [os.path.join(ros.prefix if ros else prefix, "lib")]
+    if ros is not None:  # an overlay may bring one; the course's own environment has none but its own
+        folders += split_paths(environ.get("LD_LIBRARY_PATH", ""))
+    there = any(Path(folder, f"lib{value}.so").exists() for folder in folders)
+    if there or (not ready and ros is None and value == "rmw_fastrtps_cpp"):
+        return passed(name, value)
+    return fail(
+        name,
+        f"{value} is not installed",
+        "rclpy loads the middleware of that name when it starts, and ends if it is not there",
+        f"unset {name}" if ros is None else f"sudo apt-get install -y ros-{DISTRO}-{value.replace('_', '-')}",
+    )
+
+
+if __name__ == "__main__":  # environment-check.sh asks for the ROS 2 that it has to leave out of the packages
+    found = sourced_ros(os.environ)
+    sys.stdout.write(f"{found.prefix}\n" if found else "")

@@ -1,0 +1,74 @@
+"""Whether the course's .venv is finished and fits: set-up leaves a stamp in it, every start compares.
+
+Runs with a bare Python and quickly, for it is part of every start:
+
+    python -m course_kit.environment.stamp state     one of the states below
+    python -m course_kit.environment.stamp digest    what the stamp of a finished .venv holds
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from course_kit.environment.activation import sourced_ros
+
+ROOT = Path(__file__).resolve().parents[2]
+NAME = "course-kit-stamp"
+READY = "ready"
+MISSING = "missing"
+UNFINISHED = "unfinished"  # set-up was interrupted, or still runs
+OUTDATED = "outdated"  # made for other versions, another Python, another ROS 2 or another folder
+FOREIGN = "foreign"  # made by the user, with `pip install -e .`
+INCOMPLETE = "incomplete"  # made by the user, without the course in it
+USABLE = (READY, FOREIGN)
+
+
+def sources(root: Path) -> Iterator[Path]:
+    """The files that decide what set-up makes."""
+    kit = root / "course_kit"
+    yield root / "pyproject.toml"
+    yield kit / "environment/requirements.lock"
+    yield kit / "environment/pins.py"
+    yield kit / "interfaces/build_hook.py"
+    yield kit / "interfaces/rosidl.py"
+    folders = [
+        kit / "environment/prefix",
+        *(path.parent for path in sorted(kit.glob("interfaces/*/package.xml"))),
+    ]
+    for folder in folders:
+        yield from sorted(p for p in folder.rglob("*") if p.is_file() and p.parent.name != "__pycache__")
+
+
+def digest(root: Path, environ: Mapping[str, str], python: tuple[int, int]) -> str:
+    """One line for all that a finished .venv depends on, its own place included: it cannot be moved."""
+    found = hashlib.sha256()
+    ros = sourced_ros(environ)
+    for part in (root, ros.prefix if ros else "", *python):
+        found.update(f"{part}\0".encode())
+    for path in sources(root):
+        found.update(f"{path.relative_to(root)}\0".encode() + path.read_bytes() + b"\0")
+    return found.hexdigest()
+
+
+def state(root: Path, environ: Mapping[str, str], python: tuple[int, int]) -> str:
+    """What there is in .venv, for a course that runs on this version of Python."""
+    venv = root / ".venv"
+    if not venv.is_dir() or not any(venv.iterdir()):
+        return MISSING
+    try:
+        stamp = (venv / NAME).read_text().strip()
+    except OSError:
+        installed = any(venv.glob("lib/python3.*/site-packages/ros2_notebook_course-*.dist-info"))
+        return FOREIGN if installed else INCOMPLETE
+    if stamp == UNFINISHED:
+        return UNFINISHED
+    return READY if stamp == digest(root, environ, python) else OUTDATED
+
+
+if __name__ == "__main__":
+    answer = state if sys.argv[1:] == ["state"] else digest
+    print(answer(ROOT, os.environ, sys.version_info[:2]))

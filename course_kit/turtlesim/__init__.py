@@ -1,0 +1,24 @@
+"""A turtlesim without a window: the simulator and its keyboard, on the names and types of the original."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from course_kit.turtlesim.node import TurtleSim as TurtleSim
+    from course_kit.turtlesim.teleop import Teleop as Teleop
+
+__all__ = ["Teleop", "TurtleSim"]
+
+
+def __getattr__(name: str) -> Any:
+    # Lazily, because the pure parts (world, field, picture) are used where no ROS is.
+    if name == "TurtleSim":
+        from course_kit.turtlesim.node import TurtleSim
+
+        return TurtleSim
+    if name == "Teleop":
+        from course_kit.turtlesim.teleop import Teleop
+
+        return Teleop
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

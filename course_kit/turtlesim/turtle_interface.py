@@ -1,0 +1,139 @@
+"""The ROS face of one turtle: its topics, services and action, relative to the node's namespace."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from geometry_msgs.msg import Twist
+from rclpy.qos import QoSProfile
+from turtlesim.msg import Color, Pose
+from turtlesim.srv import SetPen, TeleportAbsolute, TeleportRelative
+
+from course_kit.turtlesim.rotate_server import RotateServer
+from course_kit.turtlesim.turtle import Reading, Rotation
+
+if TYPE_CHECKING:
+    from course_kit.turtlesim.node import TurtleSim
+
+QOS = QoSProfile(depth=7)  # keep last, reliable, volatile
+LINGER = 63  # ticks (1 s) that a killed turtle's action stays: clients still ask how their goals ended
+
+
+class TurtleInterface:
+    """What of a turtle is in the ROS graph. Raises what rclpy raises for a name that cannot be there."""
+
+    def __init__(self, node: TurtleSim, name: str) -> None:
+        self._node = node
+        self._world = node.world
+        self._name = name
+        self._lingers = 0  # ticks left for a killed turtle
+        self._publishers: list[Any] = []
+        self._subscriptions: list[Any] = []
+        self._services: list[Any] = []
+        self._rotate: RotateServer | None = None
+        try:
+            self._create_topics_and_services()
+            self._rotate = RotateServer(node, f"{name}/rotate_absolute", self._begin_rotation)
+        except Exception:
+            self.destroy()
+            raise
+
+    # Its life.
+
+    def retire(self) -> None:
+        """Take a killed turtle out of the graph; its action goes later, and rejects goals until then."""
+        self._destroy_topics_and_services()
+        self._lingers = 0
+        if self._rotate is not None:
+            self._rotate.retired = True
+            self._lingers = LINGER if self._rotate.used else 0
+
+    def revive(self) -> None:
+        """Bring a turtle back that was killed a moment ago."""
+        self._create_topics_and_services()
+        if self._rotate is not None:
+            self._rotate.retired = False
+
+    def linger(self) -> bool:
+        """Count a tick of a killed turtle; False when its time is over."""
+        self._lingers -= 1
+        return self._lingers > 0
+
+    def destroy(self) -> None:
+        """Take all of it out of the graph at once."""
+        self._destroy_topics_and_services()
+        if self._rotate is not None:
+            self._rotate.destroy()
+
+    # Around each tick.
+
+    def pass_cancels(self) -> None:
+        """Tell the world whether the turtle's rotation is to be cancelled."""
+        if self._rotate is not None:
+            self._rotate.pass_cancels()
+
+    def publish(self, reading: Reading) -> None:
+        """Publish what a tick has told about the turtle."""
+        if reading.remaining is not None and self._rotate is not None:
+            self._rotate.publish_feedback(reading.remaining)
+        x, y, theta, linear, angular = reading.pose
+        pose, color = self._publishers
+        pose.publish(Pose(x=x, y=y, theta=theta, linear_velocity=linear, angular_velocity=angular))
+        red, green, blue = reading.color
+        color.publish(Color(r=red, g=green, b=blue))
+
+    def settle(self) -> None:
+        """Send the results of rotations that have ended."""
+        if self._rotate is not None:
+            self._rotate.settle()
+
+    # Its entities and their callbacks.
+
+    def _create_topics_and_services(self) -> None:
+        node, name = self._node, self._name
+        self._publishers.append(node.create_publisher(Pose, f"{name}/pose", QOS))
+        self._publishers.append(node.create_publisher(Color, f"{name}/color_sensor", QOS))
+        self._subscriptions.append(node.create_subscription(Twist, f"{name}/cmd_vel", self._on_cmd_vel, QOS))
+        for kind, service, callback in (
+            (SetPen, "set_pen", self._on_set_pen),
+            (TeleportAbsolute, "teleport_absolute", self._on_teleport_absolute),
+            (TeleportRelative, "teleport_relative", self._on_teleport_relative),
+        ):
+            self._services.append(node.create_service(kind, f"{name}/{service}", callback))
+
+    def _destroy_topics_and_services(self) -> None:
+        for entities, destroy in (
+            (self._publishers, self._node.destroy_publisher),
+            (self._subscriptions, self._node.destroy_subscription),
+            (self._services, self._node.destroy_service),
+        ):
+            while entities:
+                destroy(entities.pop())
+
+    def _on_cmd_vel(self, twist: Twist) -> None:
+        sideways = twist.linear.y if self._node.get_parameter("holonomic").value else 0.0
+        self._world.command(self._name, twist.linear.x, sideways, twist.angular.z, time.monotonic_ns())
+        self._node.settle()
+
+    def _on_set_pen(self, request: SetPen.Request, response: SetPen.Response) -> SetPen.Response:
+        color = (request.r, request.g, request.b)
+        self._world.set_pen(self._name, color, request.width, off=bool(request.off))
+        return response
+
+    def _on_teleport_absolute(
+        self, request: TeleportAbsolute.Request, response: TeleportAbsolute.Response
+    ) -> TeleportAbsolute.Response:
+        self._world.teleport_absolute(self._name, request.x, request.y, request.theta)
+        self._node.settle()
+        return response
+
+    def _on_teleport_relative(
+        self, request: TeleportRelative.Request, response: TeleportRelative.Response
+    ) -> TeleportRelative.Response:
+        self._world.teleport_relative(self._name, request.linear, request.angular)
+        self._node.settle()
+        return response
+
+    def _begin_rotation(self, goal: float) -> Rotation:
+        return self._world.rotate(self._name, goal)

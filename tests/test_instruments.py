@@ -1,0 +1,277 @@
+"""The instruments: their node, raw subscriptions with real traffic, errors as a student sees them, a clean end."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from std_msgs.msg import Int32, String
+
+from course_kit import context, errors, instruments, topics
+from tests.senders import Sender
+
+
+def wait_until(condition: Callable[[], Any], timeout: float = 15.0) -> None:
+    assert topics.wait_until(condition, timeout), "did not come true in time"
+
+
+@pytest.fixture
+def talker() -> Iterator[Node]:
+    context.start()
+    node = Node("talker")
+    yield node
+    node.destroy_node()
+
+
+def publish(publisher: Any, *texts: str) -> None:
+    wait_until(lambda: publisher.get_subscription_count() > 0)
+    for text in texts:
+        publisher.publish(String(data=text))
+
+
+class Listener:
+    """Keeps the text of serialised String messages, and their infos."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self.infos: list[dict[str, Any]] = []
+
+    def __call__(self, message: bytes, info: dict[str, Any]) -> None:
+        self.texts.append(deserialize_message(message, String).data)
+        self.infos.append(info)
+
+
+def test_the_node_is_hidden_has_no_services_and_is_one() -> None:
+    node = instruments.node()
+    assert node.get_name() == f"_course_kit_{os.getpid()}"
+    assert list(node.services) == []
+    assert instruments.node() is node
+
+
+def test_timers_of_the_node_run_also_after_one_raised() -> None:
+    ticks: list[int] = []
+
+    def tick() -> None:
+        ticks.append(1)
+        raise RuntimeError("a broken view")
+
+    timer = instruments.node().create_timer(0.005, tick)
+    wait_until(lambda: len(ticks) > 3)
+    instruments.executor().create_task(instruments.node().destroy_timer, timer)
+    assert any("a broken view" in e.title for e in errors.errors())
+
+
+def test_serialised_messages_and_when_they_arrived_are_delivered_in_order(talker: Node) -> None:
+    listener = Listener()
+    publisher = talker.create_publisher(String, "chatter", 100)
+    before = time.time_ns()
+    subscription = instruments.subscribe("chatter", listener)  # neither type nor leading slash
+    publish(publisher, *map(str, range(50)))
+    wait_until(lambda: len(listener.texts) == 50)
+    assert listener.texts == list(map(str, range(50)))
+    received = [info["received_timestamp"] for info in listener.infos]
+    assert received == sorted(received) and before < received[0] <= received[-1] < time.time_ns()
+    assert (subscription.topic, subscription.type) == ("/chatter", "std_msgs/msg/String")
+    subscription.close()
+
+
+def test_close_delivers_what_has_arrived_and_then_nothing(talker: Node) -> None:
+    listener = Listener()
+    publisher = talker.create_publisher(String, "/chatter", 2000)
+    subscription = instruments.subscribe("/chatter", listener)
+    other = instruments.subscribe("/chatter", Listener())
+    publish(publisher, *["x"] * 1000)
+    subscription.close()
+    subscription.close()
+    assert len(listener.texts) == 1000 and not subscription.is_open and other.is_open
+    publisher.publish(String(data="later"))
+    wait_until(lambda: len(other.callback.texts) == 1001)  # type: ignore[attr-defined]
+    assert len(listener.texts) == 1000
+    other.close()
+
+
+def test_a_callback_may_close_its_own_subscription(talker: Node) -> None:
+    publisher = talker.create_publisher(String, "/chatter", 10)
+    subscription = instruments.subscribe("/chatter", lambda *_: subscription.close())
+    publish(publisher, "x")
+    assert subscription.closed.wait(10)
+
+
+def test_an_exception_in_a_callback_is_reported_and_stops_nobody(talker: Node) -> None:
+    publisher = talker.create_publisher(String, "/chatter", 10)
+    listener = Listener()
+    faulty = instruments.subscribe("/chatter", lambda *_: {}["no such key"])
+    sound = instruments.subscribe("/chatter", listener)
+    publish(publisher, "a", "b", "c")
+    wait_until(lambda: len(listener.texts) == 3)
+    wait_until(lambda: any("no such key" in e.title and e.count == 3 for e in errors.errors()))
+    faulty.close()
+    sound.close()
+
+
+@pytest.mark.parametrize("reliability", list(ReliabilityPolicy)[1:3])
+def test_a_publisher_that_comes_later_is_heard_whatever_its_reliability(
+    talker: Node, reliability: ReliabilityPolicy
+) -> None:
+    listener = Listener()
+    subscription = instruments.subscribe("/chatter", listener, String)
+    publisher = talker.create_publisher(String, "/chatter", QoSProfile(depth=10, reliability=reliability))
+    publish(publisher, "hello")
+    wait_until(lambda: listener.texts == ["hello"])
+    subscription.close()
+
+
+def test_reliable_and_best_effort_publishers_of_one_topic_are_both_heard(talker: Node) -> None:
+    listener = Listener()
+    reliable = talker.create_publisher(String, "/chatter", 10)
+    with Sender("/chatter", "string", count=5, qos="best_effort") as sender:
+        wait_until(lambda: talker.count_publishers("/chatter") == 2)
+        subscription = instruments.subscribe("/chatter", listener)
+        sender.go()
+        publish(reliable, "here")
+        wait_until(lambda: "here" in listener.texts and "000000000004" in listener.texts)
+    subscription.close()
+
+
+def test_a_latched_message_from_before_is_received() -> None:
+    listener = Listener()
+    with Sender("/latched", "string", count=1, qos="latched") as sender:
+        sender.go()
+        sender.result()
+        subscription = instruments.subscribe("/latched", listener)
+        wait_until(lambda: listener.texts == ["000000000000"])
+        subscription.close()
+
+
+def test_a_student_callback_that_blocks_does_not_stall_the_instruments(talker: Node) -> None:
+    from course_kit import background
+
+    release = threading.Event()
+
+    class Blocking(Node):
+        def __init__(self) -> None:
+            super().__init__("blocking")
+            self.busy = False
+            self.create_subscription(String, "/chatter", self.block, 10)
+
+        def block(self, _: String) -> None:
+            self.busy = True
+            release.wait(20)
+
+    student = background.run(Blocking)
+    listener = Listener()
+    publisher = talker.create_publisher(String, "/chatter", 100)
+    subscription = instruments.subscribe("/chatter", listener)
+    wait_until(lambda: publisher.get_subscription_count() == 2)
+    publish(publisher, *["x"] * 100)
+    wait_until(lambda: student.busy and len(listener.texts) == 100)
+    release.set()
+    background.stop(student)
+    subscription.close()
+
+
+def test_a_misspelt_topic_is_answered_with_the_near_one(talker: Node) -> None:
+    talker.create_publisher(String, "/turtle1/pose", 10)
+    with pytest.raises(TimeoutError, match=r"no node publishes /turtle1/pos \(.*\). Did you mean /turtle1/pose\?"):
+        instruments.subscribe("turtle1/pos", print, timeout=0.2)
+    with pytest.raises(TimeoutError, match=r"no node publishes /pose .*Did you mean /turtle1/pose\?"):
+        instruments.subscribe("/pose", print, timeout=0.2)
+
+
+def test_the_topic_is_waited_for() -> None:
+    with Sender("/soon", "string") as sender:
+        subscription = instruments.subscribe("/soon", listener := Listener())
+        sender.go()
+        wait_until(lambda: len(listener.texts) > 10)
+        subscription.close()
+
+
+def test_two_types_on_one_topic_are_named_with_their_nodes(talker: Node) -> None:
+    talker.create_publisher(String, "/mixed", 10)
+    with Sender("/mixed", "int"):
+        wait_until(lambda: talker.count_publishers("/mixed") == 2)
+        with pytest.raises(TypeError) as error:
+            instruments.subscribe("/mixed", print)
+    assert "std_msgs/msg/Int32 from /sender_of_int" in str(error.value)
+    assert "std_msgs/msg/String from /talker" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("topic", "wanted", "raised", "says"),
+    [
+        ("/chatter", Int32, TypeError, "does not carry std_msgs/msg/Int32 but std_msgs/msg/String from /talker"),
+        ("/chatter", "no_msgs/msg/Nothing", ModuleNotFoundError, "does not know the package no_msgs"),
+        ("/chatter", "std_msgs/msg/Strin", ValueError, "Did you mean std_msgs/msg/String?"),
+        ("/chatter", "String", ValueError, "is not a message type. Write it like 'std_msgs/msg/String'"),
+        ("/chatter", 3, TypeError, "is not a message type"),
+        ("/two words", String, ValueError, "cannot be the name of a topic"),
+    ],
+)
+def test_bad_input_is_answered_in_one_line(
+    talker: Node, topic: str, wanted: Any, raised: type[Exception], says: str
+) -> None:
+    talker.create_publisher(String, "/chatter", 10)
+    with pytest.raises(raised) as error:
+        instruments.subscribe(topic, print, wanted)
+    assert says in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "name", ["std_msgs/msg/String", "turtlesim/msg/Pose", "example_interfaces/action/Fibonacci_FeedbackMessage"]
+)
+def test_a_type_name_gives_its_class_and_back(name: str) -> None:
+    assert topics.type_name(topics.message_class(name)) == name
+
+
+ENDINGS = {
+    "with everything running": "",
+    "after rclpy.shutdown()": "rclpy.shutdown()",
+    "after shutdown and a new start": "rclpy.shutdown(); subscription = instruments.subscribe('/chatter', print, String)",
+    "with an exception": "import atexit; atexit.register(lambda: None); raise SystemExit(0)",
+}
+PROGRAM = """
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+from course_kit import context, instruments, topics
+got = []
+subscription = instruments.subscribe('/chatter', lambda message, info: got.append(message), String)
+talker = Node('talker')
+publisher = talker.create_publisher(String, '/chatter', 10)
+instruments.node().create_timer(0.001, lambda: rclpy.ok() and publisher.publish(String(data='x')))
+assert topics.wait_until(lambda: len(got) > 20, 20)
+"""
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_process_ends_cleanly(ending: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM + ENDINGS[ending]], capture_output=True, text=True, timeout=60
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_instruments_start_again_after_rclpy_shutdown() -> None:
+    program = """
+first, old = instruments.node(), subscription
+rclpy.shutdown()
+assert topics.wait_until(lambda: not old.is_open, 10)
+again = []
+subscription = instruments.subscribe('/chatter', lambda message, info: again.append(message), String)
+assert instruments.node() is not first and subscription.is_open
+publisher = Node('talker').create_publisher(String, '/chatter', 10)
+publisher.publish(String(data='x'))
+assert topics.wait_until(lambda: again, 10)
+old.close()
+"""
+    done = subprocess.run([sys.executable, "-c", PROGRAM + program], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
