@@ -167,9 +167,13 @@ class MessageBuffer:
     def topics(self) -> list[str]:
         return list(self._channels)
 
-    def appended(self, topic: str) -> int:
-        """How many messages were ever appended."""
-        return self._channels[topic].appended
+    def counts(self, topic: str) -> tuple[int, int]:
+        """How many messages of a topic are kept, and how many have gone."""
+        channel = self._channels[topic]
+        with self._lock:
+            held, appended = sum(chunk.count for chunk in channel.chunks), channel.appended
+        kept = held if self._keep is None else min(held, self._keep)
+        return kept, appended - kept
 
     def appender(self, topic: str) -> Any:
         """A function (message, receive_ns) that appends to `topic`: what a subscription's callback calls."""

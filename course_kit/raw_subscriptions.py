@@ -77,10 +77,17 @@ class RawSubscription:
 
     def _open(self) -> None:
         node = self._watcher.node
-        with node.handle:
-            self._handle = _rclpy.Subscription(
-                node.handle, self.message_type, self.topic, self._qos.get_c_qos_profile()
-            )
+        try:
+            with node.handle:
+                self._handle = _rclpy.Subscription(
+                    node.handle, self.message_type, self.topic, self._qos.get_c_qos_profile()
+                )
+        except _rclpy.RCLError:
+            if self.type in dict(node.get_topic_names_and_types()).get(self.topic, [self.type]):
+                raise
+            raise TypeError(
+                f"{self.topic} is used in this process with another type than {self.type}, and a topic has one type"
+            ) from None
         kinds = QoSSubscriptionEventType
         with self._handle:
             self._refused = _rclpy.EventHandle(self._handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS)
@@ -110,10 +117,10 @@ class RawSubscription:
             wait_set.add_event(self._missed),
         )
 
-    def drain(self, on_error: Callable[[Exception], None]) -> None:
-        """Hand over what has arrived, BATCH messages at most."""
+    def drain(self, on_error: Callable[[Exception], None], limit: int = BATCH) -> None:
+        """Hand over what has arrived, `limit` messages at most."""
         take, message_type, callback = self._handle.take_message, self.message_type, self.callback
-        for _ in range(BATCH):
+        for _ in range(limit):
             taken = take(message_type, True)
             if taken is None:
                 return
@@ -203,13 +210,13 @@ class Watcher:
     def _watch(self, subscriptions: tuple[RawSubscription, ...]) -> None:
         """Deliver messages of these subscriptions until one is added, closed or must ask for another QoS."""
         count = len(subscriptions)
+        refused: RawSubscription | None = None
         with contextlib.ExitStack() as in_use:
             for subscription in subscriptions:
                 in_use.enter_context(subscription.in_use())
             wait_set = _rclpy.WaitSet(count, 1, 0, 0, 0, 2 * count, self._context.handle)
             in_use.enter_context(self._guard.handle)
             in_use.enter_context(wait_set)
-            refused: RawSubscription | None = None
             while refused is None and self._subscriptions is subscriptions and self._goes_on():
                 if any(s.closing for s in subscriptions):
                     break
@@ -225,16 +232,14 @@ class Watcher:
                     if wait_set.is_ready("event", refusal):
                         refused = subscription
                 time.sleep(PAUSE)
-            for subscription in subscriptions:
-                if subscription.closing:
-                    subscription.drain(self._on_error)
-            if refused is not None:
-                in_use.close()
-                refused.follow_publisher(self._on_error)
+        if refused is not None:
+            refused.follow_publisher(self._on_error)
 
     def _remove_closed(self) -> None:
         with self._lock:
             closed = [s for s in self._subscriptions if s.closing]
             self._subscriptions = tuple(s for s in self._subscriptions if not s.closing)
         for subscription in closed:
+            with subscription.in_use():
+                subscription.drain(self._on_error, limit=topics.DEPTH)
             subscription.finish()

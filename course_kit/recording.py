@@ -17,6 +17,7 @@ from course_kit.raw_subscriptions import RawSubscription
 from course_kit.topic_recording import Messages, TopicRecording, table
 
 MAX_BYTES = 1 << 30
+FIRST_MESSAGE = 1.0  # seconds given to publishers to find the recording before its seconds count
 
 
 class RecordingTimeout(TimeoutError):  # noqa: N818  (reads as what happened)
@@ -64,7 +65,7 @@ class Recording:
     @property
     def dropped(self) -> int:
         """How many of the oldest messages went because the recording was full."""
-        return sum(self[topic].dropped for topic in self.topics)
+        return sum(self._buffer.counts(topic)[1] for topic in self.topics)
 
     @property
     def lost(self) -> int:
@@ -80,6 +81,12 @@ class Recording:
     def duration(self) -> float:
         """Seconds from the start to the end, or to now."""
         return ((self._stop_ns or time.time_ns()) - self.start_ns) * 1e-9
+
+    def _start_with_first_message(self) -> None:
+        """Let the time count from now, when all publishers deliver, or have had their time to begin."""
+        topics.wait_until(lambda: all(map(any, map(self._buffer.counts, self.topics))), FIRST_MESSAGE)
+        firsts = [one.receive_ns[0] for one in self if len(one)]
+        self.start_ns = int(min(firsts, default=time.time_ns()))
 
     def stop(self) -> Recording:
         """End the recording; what it has stays. Returns itself; safe to call twice."""
@@ -104,7 +111,7 @@ class Recording:
         return (self[topic] for topic in self.topics)
 
     def __len__(self) -> int:
-        return sum(len(self[topic]) for topic in self.topics)
+        return sum(self._buffer.counts(topic)[0] for topic in self.topics)
 
     def __bool__(self) -> bool:
         return True  # not its length: an empty recording is one too
@@ -182,9 +189,9 @@ def record(
 
     A type after a topic, as in record('/x', String), records it before anybody publishes it; else its publisher is
     waited for, up to `timeout` seconds. `keep` keeps the last messages of each topic only, `max_bytes` bounds all
-    together: the oldest go first and are counted in .dropped. With `seconds` or `count` the call returns when they
-    are there. Raises TimeoutError for a topic that nobody publishes and for a count that does not come within
-    `timeout` seconds; that error's .recording has what came.
+    together: the oldest go first and are counted in .dropped. With `seconds` (from the first message on) or `count`
+    the call returns when they are there. Raises TimeoutError for a topic that nobody publishes and for a count that
+    does not come within `timeout` seconds; that error's .recording has what came.
     """
     pairs = topics.with_types(wanted)
     if count is not None and count < 1:
@@ -197,6 +204,8 @@ def record(
         return recording
     limit = timeout if seconds is None else seconds
     try:
+        if seconds is not None:
+            recording._start_with_first_message()
         complete = recording._complete.wait(limit)
     finally:
         recording.stop()
@@ -210,10 +219,14 @@ def _what_is_missing(recording: Recording, count: int, limit: float) -> str:
     for topic in recording:
         if len(topic) < count:
             part = f"{len(topic)} of {count} messages of {topic.topic} came within {limit:g} s"
-            if len(topic) > 1:
-                rate = (len(topic) - 1) / (topic.times[-1] - topic.times[0])
-                part += f": it brings {rate:.3g} a second, so {count} take about {count / rate:.1f} s. Pass timeout=..."
+            span = topic.times[-1] - topic.times[0] if len(topic) > 1 else 0.0
+            needed = count * span / (len(topic) - 1) if span else 0.0
+            if needed > limit:
+                part += f": at its rate {count} take about {needed:.1f} s, so pass timeout={2 * needed:.0f}."
+            elif len(topic):
+                silence = recording.duration - topic.times[-1]
+                part += f", and none in its last {silence:.1f} s: has its publisher stopped?"
             else:
-                part += ". Is its publisher running? rates() shows what arrives on a topic"
+                part += ": is its publisher running? rates() shows what arrives on a topic."
             parts.append(part)
-    return "; ".join(parts) + ". The error's .recording has what came."
+    return "; ".join(parts) + " The error's .recording has what came."

@@ -15,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
+UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"  # as rmw has it
 POLL = 0.02  # seconds between two looks at the graph
 # How many messages the middleware keeps while Python is busy elsewhere; it takes memory only for those that wait.
 DEPTH = 100_000
@@ -79,6 +80,8 @@ def type_name(message_type: Any) -> str:
 
 def node_name(endpoint: TopicEndpointInfo) -> str:
     """The full name of the node that an endpoint belongs to."""
+    if endpoint.node_name == UNKNOWN_NODE:
+        return "a node whose name has not arrived yet"
     return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
@@ -111,17 +114,26 @@ def _types(node: Node, topic: str) -> list[str]:
 
 
 def _who_publishes(node: Node, topic: str) -> str:
+    # A publisher may be known a little before the name of its node is.
+    wait_until(lambda: all(p.node_name != UNKNOWN_NODE for p in publishers(node, topic)), 1.0)
     return ", ".join(sorted({f"{p.topic_type} from {node_name(p)}" for p in publishers(node, topic)}))
 
 
 def check_type(node: Node, topic: str, wanted: str) -> None:
     """Raise TypeError if a topic is published, but with no publisher of the type `wanted`."""
-    published = publishers(node, topic)
-    if published and wanted not in {p.topic_type for p in published}:
+    if not _carries_only_others(node, topic, wanted):
+        return
+    who = _who_publishes(node, topic)  # which may take a moment, in which more becomes known
+    if _carries_only_others(node, topic, wanted):
         raise TypeError(
-            f"{topic} does not carry {wanted} but {_who_publishes(node, topic)}: a subscription of another type "
-            f"receives nothing. Leave the type out, and it is looked up."
+            f"{topic} does not carry {wanted} but {who}: a subscription of another type receives nothing. "
+            f"Leave the type out, and it is looked up."
         )
+
+
+def _carries_only_others(node: Node, topic: str, wanted: str) -> bool:
+    types = {p.topic_type for p in publishers(node, topic)}
+    return bool(types) and wanted not in types
 
 
 def _hint(node: Node, topic: str) -> str:

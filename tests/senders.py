@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import threading
 import time
 from typing import Any
 
@@ -19,7 +20,13 @@ class Sender:
     """A publisher process; it is there, and its publisher too, when the `with` block begins."""
 
     def __init__(
-        self, topic: str, kind: str = "string", rate: float = 100.0, count: int = 100, depth: int = 1000, qos: str = "reliable"
+        self,
+        topic: str,
+        kind: str = "string",
+        rate: float = 100.0,
+        count: int = 100,
+        depth: int = 1000,
+        qos: str = "reliable",
     ) -> None:
         arguments = [topic, kind, str(rate), str(count), str(depth), qos]
         self._process = subprocess.Popen(
@@ -31,8 +38,12 @@ class Sender:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.kill()
-        self._process.communicate()
+        """End it in good order: a node that is killed stays in the graph for 20 s."""
+        try:
+            self._process.communicate(timeout=10)  # closes its input, which ends it
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.communicate()
 
     def _read(self) -> str:
         assert self._process.stdout is not None
@@ -74,11 +85,21 @@ def _main(topic: str, kind: str, rate: float, count: int, depth: int, qos: str) 
     payload = bytearray(serialize_message(message))
     place = PLACES.get(kind)
     print("ready", flush=True)
-    sys.stdin.readline()
-    while qos != "latched" and publisher.get_subscription_count() == 0:
+    ended = threading.Event()
+
+    def end_with_input() -> None:
+        sys.stdin.readline()
+        ended.set()
+
+    if sys.stdin.readline():
+        threading.Thread(target=end_with_input, daemon=True).start()
+    else:
+        ended.set()
+    while not ended.is_set() and qos != "latched" and publisher.get_subscription_count() == 0:
         time.sleep(0.005)
     start, sent = time.perf_counter(), 0
-    while sent < count:
+    last = start
+    while sent < count and not ended.is_set():
         due = min(count, int((time.perf_counter() - start) * rate) + 1)
         while sent < due:
             if place is not None:
@@ -89,7 +110,9 @@ def _main(topic: str, kind: str, rate: float, count: int, depth: int, qos: str) 
         time.sleep(max(0.0, min(0.01, start + sent / rate - time.perf_counter())))
     really = (sent - 1) / (last - start) if sent > 1 else 0.0
     print(json.dumps({"sent": sent, "rate": really}), flush=True)
-    sys.stdin.readline()  # until it is killed, so that what was sent still reaches everybody
+    ended.wait()  # so that what was sent still reaches everybody
+    node.destroy_node()
+    rclpy.shutdown()
 
 
 if __name__ == "__main__":

@@ -41,6 +41,7 @@ def test_a_full_buffer_drops_the_oldest_and_counts_them(messages: list[bytes], m
         assert buffer.nbytes <= max_bytes
         kept = buffer.snapshot("/a")
         assert kept.dropped + len(kept) == number + 1
+        assert buffer.counts("/a") == (len(kept), kept.dropped)
         assert list(kept) == messages[kept.dropped : number + 1]  # the newest, without a gap
         assert kept.receive_ns.tolist() == list(range(kept.dropped, number + 1))
 
@@ -55,6 +56,7 @@ def test_keep_holds_exactly_the_last_messages(messages: list[bytes], keep: int) 
     kept = filled(messages, keep=keep).snapshot("/a")
     assert list(kept) == messages[-keep:]
     assert kept.dropped == max(0, len(messages) - keep)
+    assert filled(messages, keep=keep).counts("/a") == (len(kept), kept.dropped)
 
 
 def test_keep_frees_the_memory_of_what_goes() -> None:
@@ -144,5 +146,5 @@ def test_a_reader_sees_whole_messages_while_another_thread_appends() -> None:
 
 @pytest.mark.parametrize(("max_bytes", "keep"), [(100, None), (1 << 20, 0)])
 def test_limits_that_hold_nothing_are_refused(max_bytes: int, keep: int | None) -> None:
-    with pytest.raises(ValueError, match="max_bytes=100|keep=0"):
+    with pytest.raises(ValueError, match=r"max_bytes=100|keep=0"):
         MessageBuffer(["/a"], max_bytes, keep)

@@ -94,4 +94,4 @@ def test_disk_needs_room_for_the_set_up_once_and_for_recordings_always(tmp_path,
 
 
 def test_the_disk_of_this_folder_can_be_read(tmp_path):
-    assert machine.disk(tmp_path, ready=True).detail.endswith(f"MB free in {tmp_path}")
+    assert machine.disk(tmp_path, ready=True).detail.endswith("MB free for the course")

@@ -84,7 +84,7 @@ def test_a_foreign_pythonpath_warns_and_one_with_another_rclpy_fails(tmp_path):
     def status(*packages: str) -> str:
         for package in packages:
             (tmp_path / package).mkdir()
-        return python.python_path({"PYTHONPATH": str(tmp_path)}, []).status
+        return python.python_path({"PYTHONPATH": str(tmp_path)}).status
 
     assert status() == "WARN"
     assert status("numpy") == "WARN"
@@ -93,23 +93,24 @@ def test_a_foreign_pythonpath_warns_and_one_with_another_rclpy_fails(tmp_path):
 
 def test_the_pythonpath_of_a_sourced_ros_is_not_foreign(jazzy):
     entry = f"{jazzy.prefix}/lib/python3.12/site-packages"
-    assert python.python_path({"PYTHONPATH": f"{entry}:"}, [jazzy.prefix]).status == "PASS"
+    sourced = {"PYTHONPATH": f"{entry}:", "AMENT_PREFIX_PATH": f"/home/student/ws/install/talker:{jazzy.prefix}"}
+    assert python.python_path(sourced).status == "PASS"
 
 
 @pytest.mark.parametrize("state", [stamp.MISSING, stamp.UNFINISHED, stamp.OUTDATED])
-def test_what_set_up_will_make_is_no_failure(tmp_path, state):
-    check = python.set_up(tmp_path, state, some_python())
+def test_what_set_up_will_make_is_no_failure(state):
+    check = python.set_up(state, some_python())
     assert (check.status, check.cure) == ("WARN", "./environment-check.sh lab")
 
 
-def test_somebody_elses_venv_is_moved_by_nobody_but_its_owner(tmp_path):
-    check = python.set_up(tmp_path, stamp.INCOMPLETE, some_python())
+def test_somebody_elses_venv_is_moved_by_nobody_but_its_owner():
+    check = python.set_up(stamp.INCOMPLETE, some_python())
     assert check.status == "FAIL"
     assert check.cure.startswith("mv .venv ")
 
 
-def test_packages_of_another_version_are_named(tmp_path):
-    check = python.set_up(tmp_path, stamp.READY, some_python(unmet=["numpy==2.2.6", "pillow==12.3.0"]))
+def test_packages_of_another_version_are_named():
+    check = python.set_up(stamp.READY, some_python(unmet=["numpy==2.2.6", "pillow==12.3.0"]))
     assert check.status == "WARN"
     assert "numpy==2.2.6, pillow==12.3.0" in check.detail
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Int32, String
 
@@ -89,6 +89,7 @@ def test_close_delivers_what_has_arrived_and_then_nothing(talker: Node) -> None:
     publisher = talker.create_publisher(String, "/chatter", 2000)
     subscription = instruments.subscribe("/chatter", listener)
     other = instruments.subscribe("/chatter", Listener())
+    wait_until(lambda: publisher.get_subscription_count() == 2)
     publish(publisher, *["x"] * 1000)
     subscription.close()
     subscription.close()
@@ -109,7 +110,8 @@ def test_a_callback_may_close_its_own_subscription(talker: Node) -> None:
 def test_an_exception_in_a_callback_is_reported_and_stops_nobody(talker: Node) -> None:
     publisher = talker.create_publisher(String, "/chatter", 10)
     listener = Listener()
-    faulty = instruments.subscribe("/chatter", lambda *_: {}["no such key"])
+    wrong: dict[str, str] = {}
+    faulty = instruments.subscribe("/chatter", lambda *_: print(wrong["no such key"]))
     sound = instruments.subscribe("/chatter", listener)
     publish(publisher, "a", "b", "c")
     wait_until(lambda: len(listener.texts) == 3)
@@ -225,6 +227,12 @@ def test_bad_input_is_answered_in_one_line(
     assert says in str(error.value) and "\n" not in str(error.value)
 
 
+def test_a_type_that_clashes_with_a_subscription_of_this_process_is_refused(talker: Node) -> None:
+    talker.create_subscription(String, "/heard", print, 10)
+    with pytest.raises(TypeError, match=r"/heard is used in this process with another type than std_msgs/msg/Int32"):
+        instruments.subscribe("/heard", print, Int32)
+
+
 @pytest.mark.parametrize(
     "name", ["std_msgs/msg/String", "turtlesim/msg/Pose", "example_interfaces/action/Fibonacci_FeedbackMessage"]
 )
@@ -232,10 +240,11 @@ def test_a_type_name_gives_its_class_and_back(name: str) -> None:
     assert topics.type_name(topics.message_class(name)) == name
 
 
+AGAIN = "subscription = instruments.subscribe('/program', print, String)"
 ENDINGS = {
     "with everything running": "",
     "after rclpy.shutdown()": "rclpy.shutdown()",
-    "after shutdown and a new start": "rclpy.shutdown(); subscription = instruments.subscribe('/chatter', print, String)",
+    "after shutdown and a new start": f"rclpy.shutdown(); {AGAIN}",
     "with an exception": "import atexit; atexit.register(lambda: None); raise SystemExit(0)",
 }
 PROGRAM = """
@@ -244,9 +253,9 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from course_kit import context, instruments, topics
 got = []
-subscription = instruments.subscribe('/chatter', lambda message, info: got.append(message), String)
+subscription = instruments.subscribe('/program', lambda message, info: got.append(message), String)
 talker = Node('talker')
-publisher = talker.create_publisher(String, '/chatter', 10)
+publisher = talker.create_publisher(String, '/program', 10)
 instruments.node().create_timer(0.001, lambda: rclpy.ok() and publisher.publish(String(data='x')))
 assert topics.wait_until(lambda: len(got) > 20, 20)
 """
@@ -254,9 +263,7 @@ assert topics.wait_until(lambda: len(got) > 20, 20)
 
 @pytest.mark.parametrize("ending", ENDINGS)
 def test_a_process_ends_cleanly(ending: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM + ENDINGS[ending]], capture_output=True, text=True, timeout=60
-    )
+    done = subprocess.run([sys.executable, "-c", PROGRAM + ENDINGS[ending]], capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -266,9 +273,9 @@ first, old = instruments.node(), subscription
 rclpy.shutdown()
 assert topics.wait_until(lambda: not old.is_open, 10)
 again = []
-subscription = instruments.subscribe('/chatter', lambda message, info: again.append(message), String)
+subscription = instruments.subscribe('/program', lambda message, info: again.append(message), String)
 assert instruments.node() is not first and subscription.is_open
-publisher = Node('talker').create_publisher(String, '/chatter', 10)
+publisher = Node('talker').create_publisher(String, '/program', 10)
 publisher.publish(String(data='x'))
 assert topics.wait_until(lambda: again, 10)
 old.close()

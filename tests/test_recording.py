@@ -73,17 +73,16 @@ def test_every_message_of_another_process_is_held_in_order_while_a_students_call
 
 
 def test_receive_times_are_those_of_arrival_also_when_python_was_busy() -> None:
-    with Sender("/steady", "string", rate=100, count=200) as sender, record("/steady") as recording:
+    with Sender("/steady", "string", rate=200, count=400) as sender, record("/steady") as recording:
         sender.go()
         wait_until(lambda: len(recording) > 10)
-        busy_until = time.perf_counter() + 0.5
-        while time.perf_counter() < busy_until:
-            sorted(range(300_000), key=lambda n: -n)
+        begin = time.time_ns()
+        sum(range(20_000_000))  # holds the interpreter to its end: nothing can be taken meanwhile
+        end = time.time_ns()
         sender.result()
-        wait_until(lambda: len(recording) == 200)
-    periods = np.diff(recording.times)
-    assert np.median(periods) == pytest.approx(0.01, rel=0.2)
-    assert np.ptp(recording.times) == pytest.approx(1.99, rel=0.1)
+        wait_until(lambda: len(recording) == 400)
+    arrived_meanwhile = np.count_nonzero((recording.receive_ns > begin) & (recording.receive_ns < end))
+    assert arrived_meanwhile > 200 * (end - begin) * 1e-9 / 3
 
 
 def test_what_was_recorded_is_read_as_arrays_and_as_messages(robot: Node) -> None:
@@ -145,9 +144,9 @@ def test_an_unknown_field_is_answered_with_those_there_are(robot: Node, path: st
 def test_a_field_that_is_no_number_is_answered_with_what_to_write(robot: Node) -> None:
     with record("/goal", PoseStamped) as goals, record("/chatter", String) as chatter:
         pass
-    with pytest.raises(ValueError, match="it has the fields position, orientation: write 'pose.position'"):
+    with pytest.raises(ValueError, match=r"it has the fields position, orientation: write 'pose.position'"):
         goals.values("pose")
-    with pytest.raises(ValueError, match="read it with \\[m.data for m in recording.messages\\]"):
+    with pytest.raises(ValueError, match=r"read it with \[m.data for m in recording.messages\]"):
         chatter.values("data")
 
 
@@ -161,15 +160,24 @@ def test_count_blocks_until_that_many_came_and_holds_exactly_these() -> None:
 def test_a_count_that_does_not_come_says_how_many_came_and_keeps_them() -> None:
     with Sender("/slow", "string", rate=1000, count=7) as sender:
         sender.go()
-        with pytest.raises(RecordingTimeout, match="7 of 10 messages of /slow came within 1.5 s") as error:
+        with pytest.raises(
+            RecordingTimeout, match=r"7 of 10 messages of /slow came within 1.5 s, .* has its publisher stopped"
+        ) as error:
             record("/slow", count=10, timeout=1.5)
     assert numbers(error.value.recording["/slow"], "string") == list(range(7))
     assert isinstance(error.value, TimeoutError)
 
 
+def test_a_count_that_takes_longer_than_the_timeout_says_how_long() -> None:
+    with Sender("/slow", "string", rate=100, count=1000) as sender:
+        sender.go()
+        with pytest.raises(TimeoutError, match=r"at its rate 1000 take about \d+\.\d s, so pass timeout="):
+            record("/slow", count=1000, timeout=1.5)
+
+
 def test_a_topic_that_is_silent_is_said_to_be_so(robot: Node) -> None:
     robot.create_publisher(String, "/silent", 10)
-    with pytest.raises(TimeoutError, match="0 of 1 messages of /silent came within 0.2 s. Is its publisher running"):
+    with pytest.raises(TimeoutError, match=r"0 of 1 messages of /silent came within 0.2 s: is its publisher running"):
         record("/silent", count=1, timeout=0.2)
 
 
@@ -177,7 +185,7 @@ def test_seconds_blocks_for_that_long() -> None:
     with Sender("/fast", "string", rate=500, count=100_000) as sender:
         sender.go()
         recording = record("/fast", seconds=0.5)
-        assert recording.duration == pytest.approx(0.5, abs=0.3)
+        assert 0 <= recording.times[0] < 0.3 and recording.duration == pytest.approx(0.5, abs=0.3)
         assert not recording.is_running
     assert len(recording) == pytest.approx(500 * recording.duration, rel=0.3)
 
@@ -214,20 +222,23 @@ def test_what_is_read_from_a_running_recording_fits_together() -> None:
     with Sender("/fast", "scan", rate=2000, count=100_000) as sender, record("/fast") as recording:
         sender.go()
         wait_until(lambda: len(recording) > 100)
-        for _ in range(30):
+        now = recording["/fast"]
+        while len(now) < 2000:
             now = recording["/fast"]
             assert len(now) == len(now.times) == len(now.stamps) == len(now.messages)  # type: ignore[arg-type]
             assert numbers(now, "scan") == list(range(len(now)))
-        assert len(recording["/fast"]) > len(now)
 
 
 def test_a_full_recording_keeps_the_newest_messages_and_counts_the_others() -> None:
     count = 3000
-    with Sender("/fast", "scan", rate=3000, count=count) as sender:
-        with record("/fast", max_bytes=500_000) as recording, record("/fast", keep=10) as last:
-            sender.go()
-            sender.result()
-            wait_until(lambda: recording.dropped + len(recording) == last.dropped + len(last) == count)
+    with (
+        Sender("/fast", "scan", rate=3000, count=count) as sender,
+        record("/fast", max_bytes=500_000) as recording,
+        record("/fast", keep=10) as last,
+    ):
+        sender.go()
+        sender.result()
+        wait_until(lambda: recording.dropped + len(recording) == last.dropped + len(last) == count)
     assert recording.nbytes <= 500_000 and 0 < recording.dropped < count
     assert numbers(recording["/fast"], "scan") == list(range(recording.dropped, count))
     assert numbers(last["/fast"], "scan") == list(range(count - 10, count))
@@ -240,7 +251,7 @@ def test_several_topics_are_told_apart(robot: Node) -> None:
         pass
     assert recording.topics == ["/a", "/b"] and [one.topic for one in recording] == ["/a", "/b"]
     assert "/a     std_msgs/msg/String         0" in repr(recording)
-    with pytest.raises(ValueError, match="has 2 topics: say which, recording\\['/a'\\].times"):
+    with pytest.raises(ValueError, match=r"has 2 topics: say which, recording\['/a'\].times"):
         recording.times  # noqa: B018
     with pytest.raises(KeyError, match="/c is not in this recording; it has /a, /b"):
         recording["/c"]
@@ -285,14 +296,14 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from course_kit.recording import record
 from course_kit import topics
-recording = record('/chatter', String)
-publisher = Node('talker').create_publisher(String, '/chatter', 10)
+recording = record('/program', String)
+publisher = Node('talker').create_publisher(String, '/program', 10)
 publisher.publish(String(data='x'))
 assert topics.wait_until(lambda: len(recording) == 1, 10)
 rclpy.shutdown()
 assert topics.wait_until(lambda: not recording.is_running, 10)
 assert recording.stop().messages[0].data == 'x'
-again = record('/chatter', String)
+again = record('/program', String)
 assert again.is_running
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)

@@ -667,6 +667,22 @@ def test_as_a_process(ros: Ros, end: signal.Signals) -> None:
     assert "ERROR" not in printed
 
 
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_signal_during_the_start_ends_the_process_cleanly(end: signal.Signals) -> None:
+    command = [sys.executable, "-m", "course_kit.turtlesim"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    assert process.stderr is not None
+    try:
+        printed = process.stderr.readline()
+        assert "Starting turtlesim" in printed
+        process.send_signal(end)
+        printed += process.communicate(timeout=TIMEOUT)[1]
+    finally:
+        process.kill()
+    assert process.returncode == 0
+    assert "Traceback" not in printed
+
+
 @pytest.mark.parametrize("arguments", [["-p", "background_r:=300"], ["-p", "background_r:=red"], ["-r", "nonsense"]])
 def test_wrong_arguments_end_the_process_with_one_line(arguments: list[str]) -> None:
     command = [sys.executable, "-m", "course_kit.turtlesim", "--ros-args", *arguments]

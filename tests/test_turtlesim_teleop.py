@@ -21,6 +21,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Pose
+from turtlesim.srv import Spawn
 
 from course_kit.turtlesim import Teleop
 from course_kit.turtlesim.keyboard import first_key
@@ -73,6 +74,20 @@ def test_each_arrow_publishes_one_twist(ros: Ros, teleop: Teleop) -> None:
         assert teleop.press(key)
     wait_until(lambda: len(twists) >= 4, "four twists")
     assert [values(twist) for twist in twists] == list(ARROWS.values())
+
+
+def test_another_turtle_can_be_driven(ros: Ros) -> None:
+    node = Teleop("anna", namespace="robot1", context=ros.context)
+    spinning = Spinning(SingleThreadedExecutor(context=ros.context), node)
+    ros.run(namespace="robot1")
+    ros.call(Spawn, "robot1/spawn", x=5.0, y=5.0, name="anna")
+    poses = ros.listen(Pose, "robot1/anna/pose")
+    matched(node).press("e")
+    wait_until(lambda: poses[-1].theta > 0.2, "turn")
+    wait_until(lambda: node.count_subscribers("/robot1/anna/cmd_vel"), "match")
+    node.press("up")
+    wait_until(lambda: poses[-1].linear_velocity == 2.0, "movement")
+    spinning.stop()
 
 
 def test_scales_are_parameters(ros: Ros, teleop: Teleop) -> None:

@@ -78,6 +78,8 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     if "ROS_LOCALHOST_ONLY" not in environ:
         environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     environ.setdefault("ROS_DOMAIN_ID", str(user_domain(os.getuid())))
+    # Without the check, which ROS 2 leaves out by default, an int in a float field arrives as garbage.
+    environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
     own_profile = Path("DEFAULT_FASTRTPS_PROFILES.xml").exists()
     if not own_profile and not any(environ.get(name) for name in PROFILE_VARIABLES):
         environ[PROFILE_VARIABLES[0]] = str(PROFILE)

@@ -109,9 +109,7 @@ def _applicable(requirements: Sequence[str]) -> list[tuple[str, str]]:
         return [("packaging", "")]  # JupyterLab depends on it, so the environment is not complete
     parsed = [Requirement(line) for line in requirements]
     return [
-        (r.name.lower(), next(iter(r.specifier)).version)
-        for r in parsed
-        if r.marker is None or r.marker.evaluate()
+        (r.name.lower(), next(iter(r.specifier)).version) for r in parsed if r.marker is None or r.marker.evaluate()
     ]
 
 

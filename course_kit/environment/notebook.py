@@ -26,9 +26,7 @@ def jupyterlab(python: Interpreter, ready: bool) -> Check:
     if not Path(python.prefix, "share/jupyter/kernels/python3/kernel.json").exists():
         missing.append("the kernel python3")
     if missing:
-        return fail(
-            name, f"{' and '.join(missing)} missing in {python.prefix}", "the notebooks run in it", RENEW
-        )
+        return fail(name, f"{' and '.join(missing)} missing in {python.prefix}", "the notebooks run in it", RENEW)
     versions = python.distributions
     return passed(name, f"{versions['jupyterlab']}, ipykernel {versions['ipykernel']}")
 

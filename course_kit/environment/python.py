@@ -32,6 +32,12 @@ STATES = {
 }
 
 
+def shown(path: str) -> str:
+    """A path as the report shows it: from the course's folder on, if it is inside."""
+    inside = Path(path).is_relative_to(stamp.ROOT)
+    return str(Path(path).relative_to(stamp.ROOT)) if inside else path
+
+
 def not_set_up(name: str) -> Check:
     """For everything that set-up will bring."""
     return warn(name, "not set up yet", "it comes with the environment of the course", SET_UP)
@@ -39,7 +45,7 @@ def not_set_up(name: str) -> Check:
 
 def version(python: Interpreter, ros: RosInstallation | None) -> Check:
     """Python 3.10 to 3.13, and with a sourced ROS 2 the one that ROS 2 is built for."""
-    name, detail = "Python", f"{python.release} ({python.path})"
+    name, detail = "Python", f"{python.release} ({shown(python.path)})"
     if supported(python.version, ros):
         return passed(name, detail)
     if ros is not None:
@@ -58,16 +64,16 @@ def version(python: Interpreter, ros: RosInstallation | None) -> Check:
     )
 
 
-def set_up(root: Path, state: str, python: Interpreter) -> Check:
+def set_up(state: str, python: Interpreter) -> Check:
     """The environment in .venv: there, finished and of this version of the course."""
     name = "environment"
     if state in stamp.USABLE:
         if python.unmet:
             return unmet_pins(name, python.unmet)
-        return passed(name, f"{python.prefix} with {len(python.distributions)} packages")
+        return passed(name, f"{shown(python.prefix)} with {len(python.distributions)} packages")
     if state == stamp.INCOMPLETE:
         reason = "set-up makes .venv itself and touches none that somebody else made"
-        return fail(name, f"{root / '.venv'}: {STATES[state]}", reason, f"mv .venv .venv-mine && {SET_UP}")
+        return fail(name, f".venv is {STATES[state]}", reason, f"mv .venv .venv-mine && {SET_UP}")
     return warn(name, STATES[state], "the notebooks run in an environment that set-up makes in .venv", SET_UP)
 
 
@@ -109,13 +115,14 @@ def conda(environ: Mapping[str, str]) -> Check:
     )
 
 
-def python_path(environ: Mapping[str, str], ros_prefixes: Sequence[Path]) -> Check:
-    """PYTHONPATH entries other than those of a sourced ROS 2, which has a check of its own."""
+def python_path(environ: Mapping[str, str]) -> Check:
+    """PYTHONPATH entries other than those of a sourced ROS or workspace, which have a check of their own."""
     name = "PYTHONPATH"
+    sourced = split_paths(environ.get("AMENT_PREFIX_PATH", ""))
     foreign = [
         entry
         for entry in split_paths(environ.get(name, ""))
-        if not any(Path(entry).is_relative_to(prefix) for prefix in ros_prefixes)
+        if not any(Path(entry).is_relative_to(prefix) for prefix in sourced)
     ]
     if not foreign:
         return passed(name, "nothing foreign")
@@ -128,9 +135,7 @@ def python_path(environ: Mapping[str, str], ros_prefixes: Sequence[Path]) -> Che
     return report(name, " ".join(foreign), reason, f"unset {name}")
 
 
-def compiler(
-    environ: Mapping[str, str], python: Interpreter, ros: RosInstallation | None, ready: bool
-) -> Check:
+def compiler(environ: Mapping[str, str], python: Interpreter, ros: RosInstallation | None, ready: bool) -> Check:
     """What compiling the interfaces at set-up needs: Python.h and a C++ compiler, or ziglang in its place."""
     name, packages = "compiler", interfaces_to_compile(ros)
     if ready or not packages:

@@ -26,7 +26,10 @@ MESSAGE_TIMEOUT = 10.0  # discovery after peers that died takes up to 3 s
 PROCESS_TIMEOUT = 30.0
 LARGEST_DOMAIN = 232  # above it the port numbers of DDS end
 LARGEST_SAFE_DOMAIN = 101  # above it DDS's ports are those that Linux gives to any program
-UNSOURCE = "open a terminal without it: take the line `source {}/setup.bash` out of ~/.bashrc"
+UNSOURCE = (
+    "env -u AMENT_PREFIX_PATH -u CMAKE_PREFIX_PATH -u LD_LIBRARY_PATH -u PYTHONPATH -u ROS_DISTRO "
+    "./environment-check.sh lab, and for good: take `source {}/setup.bash` out of ~/.bashrc"
+)
 
 
 def installation(ros: RosInstallation | None, python: Interpreter, ready: bool) -> Check:
@@ -125,13 +128,11 @@ def node(result: RoundTrip) -> Check:
     if result.message is None:
         return fail(
             name,
-            f"a node starts, but no message came from another process",
+            "a node starts, but no message came from another process",
             "something keeps DDS from the loopback network or from shared memory",
             "unset ROS_AUTOMATIC_DISCOVERY_RANGE ROS_DISCOVERY_SERVER FASTRTPS_DEFAULT_PROFILES_FILE",
         )
-    return passed(
-        name, f"started in {result.node:.2f} s, message after {result.message:.2f} s ({result.rmw})"
-    )
+    return passed(name, f"started in {result.node:.2f} s, message after {result.message:.2f} s ({result.rmw})")
 
 
 def domain(environ: Mapping[str, str], uid: int) -> Check:
@@ -172,9 +173,7 @@ def discovery(environ: Mapping[str, str]) -> Check:
             f"unset ROS_LOCALHOST_ONLY; export {variable}=LOCALHOST",
         )
     if value != "LOCALHOST":
-        reason = (
-            "ROS 2 knows LOCALHOST, SUBNET, OFF and SYSTEM_DEFAULT, and warns at every start about others"
-        )
+        reason = "ROS 2 knows LOCALHOST, SUBNET, OFF and SYSTEM_DEFAULT, and warns at every start about others"
         return warn(name, value, reason, f"export {variable}=LOCALHOST")
     return passed(name, value)
 

@@ -6,6 +6,7 @@ import html
 import threading
 from collections import deque
 
+from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
 from course_kit import background, context, errors, rosout
@@ -19,8 +20,9 @@ STATES = {"running": "▶", "stopped": "■", "failed": "✘"}
 class Console:
     """What is shown for one node."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, cell: str) -> None:
         self.name = name
+        self.cell = cell
         self.state = "running"
         self.lines: deque[rosout.LogLine] = deque(maxlen=LAST_LINES)
         self._handle: DisplayHandle | None = display(self.bundle(), raw=True, display_id=True)
@@ -60,11 +62,23 @@ def attach() -> None:
 
 def _on_event(event: str, name: str) -> None:
     if event == "starting":
-        _consoles[name] = Console(name)
+        cell, earlier = _current_cell(), _consoles.get(name)
+        if earlier is None or earlier.cell != cell:
+            _consoles[name] = Console(name, cell)
+        else:  # run again by the same cell, in a loop for instance
+            earlier.state = "running"
+            earlier.lines.clear()
+            _mark(name)
     elif name in _consoles:
         _consoles[name].state = event
         if event != "running":
             _mark(name)
+
+
+def _current_cell() -> str:
+    """What identifies the cell that runs now: the id of the request to run it."""
+    shell = get_ipython()
+    return str(shell.parent_header.get("header", shell.parent_header).get("msg_id")) if shell is not None else ""
 
 
 def _on_error(error: errors.CallbackError) -> None:

@@ -48,14 +48,15 @@ Drive turtle1 with the keys of this terminal:
 
 
 class Teleop(Node):
-    """The node teleop_turtle; takes the keyword arguments of rclpy's Node."""
+    """The node teleop_turtle, for turtle1 or another one; takes the keyword arguments of rclpy's Node."""
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, turtle: str = "turtle1", **options: Any) -> None:
         super().__init__("teleop_turtle", **options)
         self.declare_parameter("scale_linear", 2.0)
         self.declare_parameter("scale_angular", 2.0)
-        self._cmd_vel = self.create_publisher(Twist, "turtle1/cmd_vel", QoSProfile(depth=7))
-        self._rotate: ActionClient | None = ActionClient(self, RotateAbsolute, "turtle1/rotate_absolute")
+        self._cmd_vel = self.create_publisher(Twist, f"{turtle}/cmd_vel", QoSProfile(depth=7))
+        self._action = f"{turtle}/rotate_absolute"  # by name, for ROS remaps no actions
+        self._rotate: ActionClient | None = ActionClient(self, RotateAbsolute, self._action)
         self._sent: Future | None = None  # the last goal; its result is the goal's handle
         self._tasks: deque[Callable[[], None]] = deque()  # for the executor's thread
 
@@ -101,7 +102,7 @@ class Teleop(Node):
         if self._rotate is None:
             return
         if not self._rotate.server_is_ready():
-            name = self.resolve_topic_name("turtle1/rotate_absolute")
+            name = self.resolve_topic_name(self._action)
             self.get_logger().warning(f"No action server {name}: start a turtlesim there, then press again")
             return
         self._sent = self._rotate.send_goal_async(RotateAbsolute.Goal(theta=theta))

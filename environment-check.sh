@@ -1,0 +1,278 @@
+#!/usr/bin/env bash
+# Checks this machine for the course; `lab` and `test` also set it up. --help says more.
+[ -n "${BASH_VERSION:-}" ] || exec bash "$0" "$@"
+set -euo pipefail
+
+usage="Usage: ./environment-check.sh [--json]            check this machine and change nothing
+       ./environment-check.sh lab [ARGUMENT...]   set up what is missing, then start JupyterLab
+       ./environment-check.sh test [ARGUMENT...]  set up what is missing, then run every test
+
+Arguments after lab go to JupyterLab, those after test to pytest.
+PYTHON=/path/to/python3.12 chooses the Python that the set-up uses."
+
+# The installer: one version, and the hashes of its wheels for x86_64 and aarch64.
+uv_version=0.13.8
+uv_hashes=(
+    --hash=sha256:e18a57b8b352eb7c8feb317b9f6f533c8f0ad9673fd6cf34bbe3cf1a9f6a8984
+    --hash=sha256:5337c30bb893b4f9ce0ceb921ba2da0d13f649da644f40ad3bef84083bef0203
+)
+other_set_up_timeout=900 # seconds
+
+say() { printf '%s\n' "$*" >&2; }
+
+die() {
+    say "environment-check: $*"
+    exit 1
+}
+
+# A module of ours in a bare Python: no packages, no variables of the user's that change Python, nothing written.
+bare() { "$1" -ESB -m "course_kit.environment.$2" "${@:3}"; }
+
+# ---- Which Python
+
+python_needed="The course needs Python 3.10 to 3.13, and beside a sourced ROS 2 the one that ROS 2 is built for."
+apt_python="sudo apt-get install -y python3 python3-venv python3-dev"
+
+# $PYTHON, or every Python on PATH, the best first.
+pythons() {
+    if [[ -n ${PYTHON:-} ]]; then
+        printf '%s\n' "$PYTHON"
+    else
+        type -aP python3.12 python3.13 python3.11 python3.10 python3
+    fi
+}
+
+# The same without the one in .venv, and conda's last: its libraries get in the way of those of ROS 2.
+candidates() {
+    local found conda=()
+    while IFS= read -r found; do
+        case $found in
+            "$venv"/*) ;;
+            "${CONDA_PREFIX:-/no conda}"/*) conda+=("$found") ;;
+            *) printf '%s\n' "$found" ;;
+        esac
+    done < <(pythons)
+    ((${#conda[@]} == 0)) || printf '%s\n' "${conda[@]}"
+}
+
+# Sets `python` to the first that set-up can use. Fails if there is none: `advice` says what to install, and
+# `python` is the one that came closest, or empty.
+choose_python() {
+    local candidate lacks status
+    python='' advice="No Python here fits${PYTHON:+ (PYTHON=$PYTHON)}. $python_needed Install one: $apt_python"
+    while IFS= read -r candidate; do
+        status=0
+        lacks=$(bare "$candidate" interpreter 2> /dev/null) || status=$?
+        if ((status == 0)) || { ((status == 4)) && can_do_without "$lacks"; }; then
+            python=$candidate
+            return
+        elif ((status == 4)) && [[ -z $python ]]; then
+            python=$candidate
+            advice="$python lacks what set-up needs. Install it: sudo apt-get install -y $lacks"
+        fi
+    done < <(candidates)
+    return 1
+}
+
+# uv makes environments without the venv module.
+can_do_without() { [[ $1 == *-venv && $1 != *-dev* ]] && type -P uv > /dev/null; }
+
+# Sets `python` to one that can run the checks, fit for the course or not.
+any_python() {
+    local candidate
+    while IFS= read -r candidate; do
+        if "$candidate" -ESB -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2> /dev/null; then
+            python=$candidate
+            return
+        fi
+    done < <(candidates)
+    return 1
+}
+
+# ---- Checking
+
+check() {
+    local python advice state
+    export PYTHONDONTWRITEBYTECODE=1
+    state=$(venv_state)
+    case $state in
+        ready | foreign) python=$venv/bin/python ;;
+        *) choose_python || [[ -n $python ]] || any_python || no_python "$@" ;;
+    esac
+    exec "$python" -ESB -m course_kit.environment "$@" "$state"
+}
+
+# The only check that cannot be written in Python.
+no_python() {
+    local detail="none of version 3.10 or newer${PYTHON:+ (PYTHON=$PYTHON)}"
+    if [[ ${1:-} == --json ]]; then
+        printf '{"ok": false, "checks": [{"name": "Python", "status": "FAIL", "detail": "%s",\n' "${detail//[\"\\]/}"
+        printf '  "reason": "%s", "cure": "%s"}]}\n' "$python_needed" "$apt_python"
+    else
+        printf 'FAIL  Python  %s\n              why:  %s\n' "$detail" "$python_needed"
+        printf '              cure: %s\n1 checks: 0 PASS, 0 WARN, 1 FAIL\n' "$apt_python"
+    fi
+    exit 1
+}
+
+# ready, missing, unfinished, outdated, foreign or incomplete: see course_kit/environment/stamp.py.
+venv_state() {
+    if [[ -x $venv/bin/python ]] && bare "${PYTHON:-$venv/bin/python}" stamp state 2> /dev/null; then
+        return
+    elif [[ -e $stamp ]]; then
+        echo unfinished
+    elif [[ -n $(ls -A "$venv" 2> /dev/null) ]]; then
+        echo incomplete
+    else
+        echo missing
+    fi
+}
+
+# ---- Setting up
+
+# Afterwards $venv/bin/python has everything the course needs.
+prepare() {
+    case $(venv_state) in
+        ready) ;;
+        foreign) say "Using the .venv that is there. This script did not make it and leaves it as it is." ;;
+        incomplete) die "This script did not make .venv, and the course is not in it. Move it: mv .venv .venv-mine" ;;
+        *) set_up ;;
+    esac
+}
+
+set_up() {
+    { mkdir -p build && : >> build/set-up.lock; } 2> /dev/null ||
+        die "$root cannot be written. Work in a copy of your own: cp -r '$root' ~/course && cd ~/course"
+    (
+        wait_for_other_set_up
+        [[ $(venv_state) == ready ]] || make_venv
+    ) 9> build/set-up.lock
+}
+
+wait_for_other_set_up() {
+    type -P flock > /dev/null || return 0
+    flock --nonblock 9 && return
+    say "Another set-up of this course is running; waiting for it to end."
+    flock --timeout "$other_set_up_timeout" 9 || die "The other set-up did not end in $other_set_up_timeout s."
+}
+
+make_venv() {
+    local python advice uv='' begun=$SECONDS
+    unset PYTHONPATH PYTHONHOME PIP_USER PIP_TARGET PIP_PREFIX # they would send packages elsewhere
+    choose_python || die "$advice"
+    say "Setting up the course in .venv with $python. It takes about a minute, and downloads 200 MB the first time."
+    remove_old_venv
+    mkdir "$venv"
+    echo unfinished > "$stamp"
+    create_venv
+    find_uv
+    install_packages
+    bare "$venv/bin/python" stamp digest > "$stamp.new"
+    mv "$stamp.new" "$stamp"
+    say "Set up in $((SECONDS - begun)) s."
+}
+
+# Moved before it is removed: interrupted half-way, what is left in .venv would not be known as ours.
+remove_old_venv() {
+    [[ ! -e $venv && ! -L $venv ]] || mv "$venv" "build/old-venv-$$"
+    rm -rf build/old-venv-*
+}
+
+create_venv() {
+    if ! "$python" -m venv "$venv" > build/venv.log 2>&1; then
+        type -P uv > /dev/null || die "python -m venv failed: $(tail -n 3 build/venv.log)"
+        uv venv --quiet --seed --allow-existing --python "$python" "$venv" || die "uv could not make .venv either."
+    fi
+}
+
+# Sets `uv` to the one on PATH, or fetches it; leaves it empty where neither works.
+find_uv() {
+    local folder=build/uv-$uv_version
+    uv=$(type -P uv) && return
+    uv=$root/$folder/bin/uv
+    "$uv" --version > /dev/null 2>&1 && return
+    rm -rf "$folder"
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --only-binary :all: \
+        --require-hashes --target "$folder" -r <(echo "uv==$uv_version" "${uv_hashes[@]}") && return
+    say "The installer uv cannot be had here. Going on with pip, which takes about two minutes."
+    uv=''
+}
+
+install_packages() {
+    local ros options=()
+    ros=$(bare "$venv/bin/python" ros)
+    [[ -z $ros ]] || { say "Using the ROS 2 in $ros." && options=(--no-ros); }
+    bare "$venv/bin/python" pins "${options[@]}" > build/requirements.txt
+    install --require-hashes -r build/requirements.txt || die "The packages could not be installed; see above. Set-up needs the network, once."
+    say "Installing the course itself; its ROS 2 interfaces are compiled the first time."
+    install --no-deps -e . || die "The course could not be installed; see above."
+}
+
+install() {
+    if [[ -n $uv ]]; then
+        "$uv" pip install --quiet --python "$venv/bin/python" "$@"
+    else
+        "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"
+    fi
+}
+
+# ---- Starting
+
+start_lab() {
+    local options=()
+    given 'ip|ServerApp\.ip' "$@" || options+=(--ip=127.0.0.1)
+    given 'notebook-dir|ServerApp\.(root|notebook)_dir' "$@" || options+=("--ServerApp.root_dir=$root/notebooks")
+    given 'debug|log-level|.*\.log_level' "$@" || options+=(--ServerApp.log_level=WARN --LabApp.log_level=WARN)
+    ((EUID)) || options+=(--allow-root)
+    bare "$venv/bin/python" notebook || options+=(--no-browser)
+    ("$venv/bin/python" -m course_kit.environment.address $$ &) # exec keeps the process id
+    exec "$venv/bin/python" "$venv/bin/jupyter-lab" "${options[@]}" "$@"
+}
+
+# Whether one of the arguments is an option of that name: JupyterLab refuses an option that comes twice.
+given() {
+    local argument
+    for argument in "${@:2}"; do
+        [[ ! $argument =~ ^--($1)(=|$) ]] || return 0
+    done
+    return 1
+}
+
+run_tests() {
+    local python=$venv/bin/python failed=0
+    "$python" -m ruff check || failed=1
+    "$python" -m ruff format --check || failed=1
+    "$python" -m mypy || failed=1
+    "$python" -m pytest "$@" || failed=$?
+    exit "$failed"
+}
+
+main() {
+    if [[ -n ${PYTHON:-} ]]; then # a relative path starts at the caller's folder
+        PYTHON=$(type -P -- "$PYTHON" || printf '%s' "$PYTHON")
+        [[ $PYTHON != */* ]] || PYTHON=$(realpath --no-symlinks -- "$PYTHON")
+    fi
+    root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+    venv=$root/.venv
+    stamp=$venv/course-kit-stamp
+    cd -- "$root"
+    case ${1:-} in
+        '' | --json) check "$@" ;;
+        lab)
+            prepare
+            start_lab "${@:2}"
+            ;;
+        test)
+            prepare
+            run_tests "${@:2}"
+            ;;
+        -h | --help) printf '%s\n' "$usage" ;;
+        *)
+            say "environment-check: unknown argument: $1"
+            say "$usage"
+            exit 2
+            ;;
+    esac
+}
+
+main "$@"

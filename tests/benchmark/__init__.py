@@ -1,0 +1,1 @@
+"""Measures the course against plain rclpy: `python -m tests.benchmark [section ...] [--quick]`."""
