@@ -157,17 +157,18 @@ wait_for_other_set_up() {
 }
 
 make_venv() {
-    local python advice uv='' begun=$SECONDS
+    local python advice digest uv='' begun=$SECONDS
     unset PYTHONPATH PYTHONHOME PIP_USER PIP_TARGET PIP_PREFIX # they would send packages elsewhere
     choose_python || die "$advice"
     say "Setting up the course in .venv with $python. It takes about a minute, and downloads 200 MB the first time."
+    digest=$(bare "$python" stamp digest) # of what is installed now, whatever changes meanwhile
     remove_old_venv
     mkdir "$venv"
     echo unfinished > "$stamp"
     create_venv
     find_uv
     install_packages
-    bare "$venv/bin/python" stamp digest > "$stamp.new"
+    echo "$digest" > "$stamp.new"
     mv "$stamp.new" "$stamp"
     say "Set up in $((SECONDS - begun)) s."
 }
@@ -188,7 +189,7 @@ create_venv() {
 # Sets `uv` to the one on PATH, or fetches it; leaves it empty where neither works.
 find_uv() {
     local folder=build/uv-$uv_version
-    uv=$(type -P uv) && return
+    uv=$(type -P uv) && "$uv" --version > /dev/null 2>&1 && return
     uv=$root/$folder/bin/uv
     "$uv" --version > /dev/null 2>&1 && return
     rm -rf "$folder"

@@ -107,6 +107,20 @@ def test_a_python_that_is_not_there_is_named(course):
     assert not (course.root / ".venv").exists()
 
 
+def test_a_python_that_does_not_run_is_passed_over_and_condas_comes_last(course, tmp_path):
+    for name in ("conda", "plain", "commands"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "conda/python3").symlink_to(BASE_PYTHON)
+    (tmp_path / "plain/python3").symlink_to(BASE_PYTHON)
+    (tmp_path / "plain/python3.12").write_text("#!/bin/sh\necho no such version >&2\nexit 1\n")  # a shim of pyenv
+    (tmp_path / "plain/python3.12").chmod(0o755)
+    folders = [str(tmp_path / "conda"), str(tmp_path / "plain"), without_python(tmp_path / "commands")]
+    environ = fresh_environ(PATH=os.pathsep.join(folders), CONDA_PREFIX=folders[0])
+    checks = by_name(json.loads(course.run("--json", environ=environ).stdout))
+    assert f"({tmp_path}/plain/python3)" in checks["Python"]["detail"]
+    assert checks["conda"]["status"] == "WARN"
+
+
 @pytest.mark.parametrize("lacking", ["venv", "dev"])
 def test_a_python_without_its_debian_packages_names_them(course, tmp_path, lacking):
     """Debian's python3 without python3-venv or python3-dev, imitated by one that hides what they install."""

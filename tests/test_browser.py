@@ -1,0 +1,123 @@
+"""The course as a student sees it: JupyterLab in a real browser, the turtle driven by clicks and keys."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from nbformat.v4 import new_code_cell, new_notebook
+
+from tests.lab import CHROMIUM, Lab, browser, server
+
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: sudo apt-get install chromium"),
+    pytest.mark.timeout(300),
+]
+NOTEBOOKS = Path(__file__).parents[1] / "notebooks"
+CELLS = {
+    "start": "from course_kit import record, run\nfrom course_kit.turtlesim import TurtleSim\n"
+    "turtlesim = run(TurtleSim)\nrecording = record('/turtle1/pose')",
+    "panel": "from course_kit.live.turtle import drive\npanel = drive()\npanel",
+    "moved": "float(recording.values('linear_velocity').max()), float(recording.values('angular_velocity').max())",
+}
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory) -> Iterator[Lab]:
+    """A lab on a copy of the notebooks, so that the committed ones stay as they are."""
+    root = tmp_path_factory.mktemp("notebooks of a student")
+    shutil.copytree(NOTEBOOKS, root, dirs_exist_ok=True)
+    notebook = new_notebook(cells=[new_code_cell(source, id=name) for name, source in CELLS.items()])
+    notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    nbformat.write(notebook, root / "drive.ipynb")
+    with server(root) as address, browser(address, tmp_path_factory.mktemp("profile")) as lab:
+        yield lab
+
+
+def until(lab: Lab, condition: Callable[[], Any], timeout: float = 20.0) -> Any:
+    """Wait for something outside the page, while the page goes on."""
+    deadline = time.monotonic() + timeout
+    while not (value := condition()):
+        assert time.monotonic() < deadline, "it did not come true"
+        lab.page.wait_for_timeout(50)
+    return value
+
+
+def speeds(lab: Lab) -> tuple[float, float]:
+    """The greatest forward and turning speed that the turtle has had."""
+    lab.run_cell("moved")
+    forward, turning = lab.outputs("moved")[0]["data"]["text/plain"].strip("()").split(", ")
+    return float(forward), float(turning)
+
+
+def colours(lab: Lab) -> int:
+    """How many colours the field on the screen has: one before the turtle is drawn."""
+    return lab.page.evaluate(
+        "() => { const seen = new Set(); for (const canvas of document.querySelectorAll('.jp-OutputArea canvas')) {"
+        "const data = new Uint32Array(canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height)"
+        ".data.buffer); for (let i = 0; i < data.length; i += 3) seen.add(data[i]); } return seen.size; }"
+    )
+
+
+def test_the_turtle_is_driven_by_buttons_and_by_keys(lab):
+    lab.open("drive.ipynb")
+    lab.run_cell("start")
+    lab.run_cell("panel")
+    field = lab.page.locator(".jp-OutputArea canvas").first
+    field.wait_for(timeout=20_000)
+    until(lab, lambda: colours(lab) > 5)
+    assert speeds(lab) == (0.0, 0.0)
+
+    lab.page.locator("button[title=up]").click()
+    until(lab, lambda: speeds(lab) == (2.0, 0.0))
+    field.click()
+    lab.page.keyboard.press("ArrowLeft")
+    until(lab, lambda: speeds(lab) == (2.0, 2.0))
+    if folder := os.environ.get("COURSE_SCREENSHOTS"):
+        for theme in ("JupyterLab Light", "JupyterLab Dark"):
+            lab.page.evaluate("t => window.jupyterapp.commands.execute('apputils:change-theme', {theme: t})", theme)
+            lab.page.wait_for_timeout(1500)
+            lab.page.screenshot(path=f"{folder}/drive {theme}.png")
+    lab.close_notebook()
+
+
+@pytest.mark.parametrize("notebook", sorted(path.name for path in NOTEBOOKS.glob("[0-9][0-9]_*.ipynb")))
+def test_a_chapter_runs_in_the_browser(lab, notebook):
+    lab.open(notebook)
+    lab.run_all(timeout=180)
+    assert lab.errors() == []
+    if folder := os.environ.get("COURSE_SCREENSHOTS"):
+        last = lab.page.evaluate("() => window.jupyterapp.shell.currentWidget.content.widgets.length") - 1
+        for index in range(0, last, 4):
+            lab.page.evaluate(
+                "i => { const n = window.jupyterapp.shell.currentWidget.content; n.activeCellIndex = i;"
+                "n.scrollToItem(i, 'start'); }",
+                index,
+            )
+            lab.page.wait_for_timeout(400)
+            lab.page.screenshot(path=f"{folder}/{notebook[:2]}-{index:02}.png")
+    lab.close_notebook()
+
+
+def test_a_terminal_of_the_lab_has_ros_without_sourcing(lab, tmp_path):
+    written = tmp_path / "from the terminal.txt"
+    lab.page.evaluate("() => window.jupyterapp.commands.execute('terminal:create-new').then(() => 1)")
+    lab.page.wait_for_selector(".jp-Terminal .xterm-helper-textarea", timeout=30_000)
+    lab.page.wait_for_timeout(1000)  # the shell reads its start-up file; what is typed meanwhile may be lost
+    lab.page.locator(".jp-Terminal").last.click()
+    program = "import os, sys, rclpy; print(sys.prefix, os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'])"
+    lab.page.keyboard.type(f'python -c "{program}" > "{written}"\n')
+    until(lab, lambda: written.exists() and written.read_text().endswith("\n"), timeout=30)
+    expected_range = os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+    assert written.read_text().split() == [sys.prefix, expected_range]
+
+
+def test_nothing_was_asked_of_the_network(lab):
+    assert lab.outside == []
