@@ -63,6 +63,10 @@ class CourseCopy:
             process.kill()
         return subprocess.CompletedProcess(process.args, process.returncode, output, errors)
 
+    def remove(self) -> None:
+        """Give back the space, which is much after a set-up; pytest itself keeps folders for a while."""
+        shutil.rmtree(self.root)
+
     def files(self) -> dict[str, float]:
         """Every file and folder with the time of its last change."""
         return {str(path): path.lstat().st_mtime_ns for path in self.root.rglob("*")}

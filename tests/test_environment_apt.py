@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib.metadata import distributions
 from pathlib import Path
 from subprocess import CompletedProcess
@@ -56,8 +57,10 @@ def imitate_apt(prefix: Path) -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def apt(tmp_path_factory) -> Path:
-    return tmp_path_factory.mktemp("root") / "opt/ros/jazzy"
+def apt(tmp_path_factory) -> Iterator[Path]:
+    root = tmp_path_factory.mktemp("root")
+    yield root / "opt/ros/jazzy"
+    shutil.rmtree(root / "opt", ignore_errors=True)
 
 
 @pytest.fixture(scope="module")
@@ -67,8 +70,10 @@ def sourced(apt) -> dict[str, str]:
 
 
 @pytest.fixture(scope="module")
-def course(tmp_path_factory) -> CourseCopy:
-    return CourseCopy(tmp_path_factory.mktemp("beside-apt"))
+def course(tmp_path_factory) -> Iterator[CourseCopy]:
+    copy = CourseCopy(tmp_path_factory.mktemp("beside-apt"))
+    yield copy
+    copy.remove()
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import signal
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from subprocess import CompletedProcess
 from urllib.parse import urlsplit
@@ -42,7 +42,7 @@ class SetUp:
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory) -> SetUp:
+def done(tmp_path_factory) -> Iterator[SetUp]:
     course = CourseCopy(tmp_path_factory.mktemp("set-up"))
     for path in (course.root / "tests").glob("test_*.py"):
         path.unlink()
@@ -56,7 +56,8 @@ def done(tmp_path_factory) -> SetUp:
     for command in commands:
         output, errors = command.communicate(timeout=SET_UP_TIMEOUT)
         results.append(CompletedProcess(command.args, command.returncode, output, errors))
-    return SetUp(course, state, *results)
+    yield SetUp(course, state, *results)
+    course.remove()
 
 
 def test_an_interrupted_set_up_is_reported_and_the_next_start_makes_it_anew(done):

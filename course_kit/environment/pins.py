@@ -38,9 +38,7 @@ def is_ros(name: str) -> bool:
 def requirements(with_ros: bool) -> list[str]:
     """Every pin as a requirement (PEP 508), without hashes."""
     return [
-        lines.splitlines()[0].rstrip("\\ ")
-        for name, lines in blocks(LOCK.read_text())
-        if with_ros or not is_ros(name)
+        lines.splitlines()[0].rstrip("\\ ") for name, lines in blocks(LOCK.read_text()) if with_ros or not is_ros(name)
     ]
 
 

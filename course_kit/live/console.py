@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import threading
 from collections import deque
+from typing import Any
 
 from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
@@ -77,8 +78,9 @@ def _on_event(event: str, name: str) -> None:
 
 def _current_cell() -> str:
     """What identifies the cell that runs now: the id of the request to run it."""
-    shell = get_ipython()
-    return str(shell.parent_header.get("header", shell.parent_header).get("msg_id")) if shell is not None else ""
+    shell: Any = get_ipython()
+    request = shell.get_parent() if shell is not None else {}
+    return str(request.get("header", {}).get("msg_id"))
 
 
 def _on_error(error: errors.CallbackError) -> None:
