@@ -18,8 +18,8 @@ EXPORTS = {
     "wait_for": "waiting",
     "logs": "rosout",
     "record": "recording",
-    "rates": "rates",
-    "measure_rates": "rates",
+    "rates": "meters",
+    "measure_rates": "meters",
     "plot_pose": "plots",
     "plot_rates": "plots",
 }

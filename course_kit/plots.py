@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 
 from course_kit.figures import COLOURS, FAINT, PANEL, PAPER, Plot, legend, style
 from course_kit.measure import Int64s, rate_over_time
-from course_kit.rates import RateMeter
+from course_kit.meters import RateMeter
 from course_kit.recording import Recording
 from course_kit.topic_recording import TopicRecording
 from course_kit.tracks import READERS, Track, track

@@ -22,6 +22,7 @@ from course_kit.environment.activation import sourced_ros
 from tests.course_copy import BASE_PYTHON, CourseCopy, fresh_environ
 
 pytestmark = [
+    pytest.mark.slow,
     pytest.mark.timeout(900),
     pytest.mark.skipif(sourced_ros(os.environ) is not None, reason="needs the wheels; here apt's ROS 2 is sourced"),
 ]

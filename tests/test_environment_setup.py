@@ -20,7 +20,7 @@ import pytest
 from course_kit.environment import stamp
 from tests.course_copy import ROOT, CourseCopy, fresh_environ
 
-pytestmark = pytest.mark.timeout(900)
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 SET_UP_TIMEOUT = 600.0  # a slow network, no cache
 
 

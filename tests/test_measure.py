@@ -16,7 +16,7 @@ from std_msgs.msg import String
 
 from course_kit import context, topics
 from course_kit.measure import ArrivalWindow, measure, rate_over_time, spread
-from course_kit.rates import Rates, measure_rates, rates
+from course_kit.meters import Rates, measure_rates, rates
 from tests.senders import Sender
 
 EPOCH = 1_800_000_000_000_000_000  # nanoseconds: as big as real ones, where float64 is too coarse

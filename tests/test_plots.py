@@ -22,8 +22,8 @@ from turtlesim.msg import Pose
 
 from course_kit import context, topics, tracks
 from course_kit.figures import COLOURS, INK, PANEL, PAPER
+from course_kit.meters import measure_rates
 from course_kit.plots import plot_pose, plot_rates
-from course_kit.rates import measure_rates
 from course_kit.recording import Recording, record
 from tests.kernel import Kernel
 from tests.senders import Sender
