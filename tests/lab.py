@@ -32,11 +32,12 @@ SOURCES_OF = "window.jupyterapp.shell.currentWidget.content.model.sharedModel.to
 
 
 @contextlib.contextmanager
-def server(root: Path, *arguments: str) -> Iterator[str]:
-    """A JupyterLab on a folder; gives its address with the token."""
+def server(root: Path, config: Path, *arguments: str) -> Iterator[str]:
+    """A JupyterLab on a folder; gives its address with the token. What it remembers of its user goes to `config`."""
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--ip=127.0.0.1", "--allow-root"]
     process = subprocess.Popen(
         [*command, "--expose-app-in-browser", f"--ServerApp.root_dir={root}", *arguments],
+        env={**os.environ, "JUPYTER_CONFIG_DIR": str(config)},
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,

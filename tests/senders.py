@@ -17,7 +17,10 @@ PLACES = {"string": 8, "scan": 16}
 
 
 class Sender:
-    """A publisher process; it is there, and its publisher too, when the `with` block begins."""
+    """A publisher process; it is there, and its publisher too, when the `with` block begins.
+
+    Its history is deep, so that a busy machine delays messages but does not lose them.
+    """
 
     def __init__(
         self,
@@ -25,7 +28,7 @@ class Sender:
         kind: str = "string",
         rate: float = 100.0,
         count: int = 100,
-        depth: int = 1000,
+        depth: int = 20_000,
         qos: str = "reliable",
     ) -> None:
         arguments = [topic, kind, str(rate), str(count), str(depth), qos]

@@ -37,7 +37,8 @@ def lab(tmp_path_factory) -> Iterator[Lab]:
     notebook = new_notebook(cells=[new_code_cell(source, id=name) for name, source in CELLS.items()])
     notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
     nbformat.write(notebook, root / "drive.ipynb")
-    with server(root) as address, browser(address, tmp_path_factory.mktemp("profile")) as lab:
+    config, profile = tmp_path_factory.mktemp("jupyter"), tmp_path_factory.mktemp("chromium")
+    with server(root, config) as address, browser(address, profile) as lab:
         yield lab
 
 

@@ -63,7 +63,7 @@ def test_every_message_of_another_process_is_held_in_order_while_a_students_call
 
     sleeper = background.run(Sleeper)
     count = 6000
-    with Sender("/fast", kind, rate=3000, count=count, depth=5000) as sender, record("/fast") as recording:
+    with Sender("/fast", kind, rate=3000, count=count) as sender, record("/fast") as recording:
         sender.go()
         sent = sender.result()
         wait_until(lambda: len(recording) == sent["sent"])
