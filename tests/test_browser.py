@@ -113,11 +113,11 @@ def test_a_terminal_of_the_lab_has_ros_without_sourcing(lab, tmp_path):
     lab.page.wait_for_selector(".jp-Terminal .xterm-helper-textarea", timeout=30_000)
     lab.page.wait_for_timeout(1000)  # the shell reads its start-up file; what is typed meanwhile may be lost
     lab.page.locator(".jp-Terminal").last.click()
-    program = "import os, sys, rclpy; print(sys.prefix, os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'])"
+    program = "import os, sys, rclpy; print(sys.prefix, os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'], sep=chr(10))"
     lab.page.keyboard.type(f'python -c "{program}" > "{written}"\n')
-    until(lab, lambda: written.exists() and written.read_text().endswith("\n"), timeout=30)
+    until(lab, lambda: written.exists() and written.read_text().count("\n") == 2, timeout=30)
     expected_range = os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]
-    assert written.read_text().split() == [sys.prefix, expected_range]
+    assert written.read_text().splitlines() == [sys.prefix, expected_range]
 
 
 def test_nothing_was_asked_of_the_network(lab):
