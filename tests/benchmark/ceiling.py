@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 
 CEILING = (
-    "the highest rate, raised by steps of 40 % and then narrowed down to 2 %, at which the sender keeps 97 % of the "
+    "the highest rate, raised by steps of 40 % and then narrowed down to 4 %, at which the sender keeps 97 % of the "
     "rate and none of its messages is lost in one of two tries"
 )
 KEPT = 0.97
-_FIRST, _GROWTH, _FINEST = 1000.0, 1.4, 1.02
+_GROWTH, _FINEST = 1.4, 1.04
 
 
-def highest_rate(held: Callable[[float], float | None], most: float = 200_000.0) -> float:
-    """Search with `held(rate)`, which tries a rate (Hz) and gives the one really kept, or None if it was not."""
-    best, rate, growth = 0.0, _FIRST, _GROWTH
+def highest_rate(held: Callable[[float], float | None], first: float = 1000.0, most: float = 200_000.0) -> float:
+    """Search with `held(rate)`, which tries a rate (Hz) and gives the one really kept, or None if it was not.
+
+    The first rate tried should be one that is held; 0 is returned if nothing near it is.
+    """
+    best, rate, growth = 0.0, first, _GROWTH
     while growth > _FINEST and rate <= most:
         kept = held(rate) or held(rate)
         if kept:

@@ -49,8 +49,8 @@ def rows(quick: bool) -> Iterator[Row]:
                 for pair in pairs.values():
                     pair.talk(100, 0.5)  # the first messages meet cold caches and half-made connections
                 for rate in (100, 1000):
-                    yield from latency(name, pairs, rate, 1 if quick else 7, 1.0 if quick else 4.0)
-                yield ceiling(name, pairs, 1 if quick else 5, 0.7 if quick else 1.5)
+                    yield from latency(name, pairs, rate, 1 if quick else 5, 1.0 if quick else 3.0)
+                yield ceiling(name, pairs, 1 if quick else 3, 0.7 if quick else 1.0)
 
 
 def _started(stack: ExitStack, style: str, kind: str, processes: int) -> Pair:

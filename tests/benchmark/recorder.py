@@ -33,11 +33,11 @@ def rows(quick: bool) -> Iterator[Row]:
             }
             for program in programs.values():
                 program.report()
-            for repetition in range(1 if quick else 3):
+            for repetition in range(1 if quick else 2):
                 print(f"\rrecorder: {name}, {repetition + 1} ", end="", file=sys.stderr)
                 for style in STYLES if repetition % 2 else reversed(STYLES):
                     program = programs[style]
-                    seconds = 1.0 if quick else 3.0
+                    seconds = 1.0 if quick else 1.5
                     found[style].append(highest_rate(partial(_held, program, seconds)))
         print(file=sys.stderr)
         plain, course = (statistics.median(found[style]) for style in STYLES)

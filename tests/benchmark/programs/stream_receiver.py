@@ -1,7 +1,6 @@
-"""Counts the messages of a stream, without deserialising them: `stream_receiver KIND`.
+"""Counts the messages of a stream, without deserialising them: `stream_receiver KIND DEPTH`.
 
-Reports when it is ready, and for each line of input how many came since the last one, over how many seconds, and
-the CPU seconds of this process.
+Each line of input is answered with how many came since the last one, once no more do.
 """
 
 from __future__ import annotations
@@ -20,19 +19,27 @@ from tests.benchmark.programs import messages
 from tests.benchmark.programs.reporting import report
 
 
-def main(kind: str) -> None:
+QUIET = 0.2  # s without a message, after which none is under way
+
+
+def main(kind: str, depth: str) -> None:
     rclpy.init()
     node = rclpy.create_node("stream_receiver")
     times: list[float] = []
-    node.create_subscription(messages.TYPES[kind], "stream", lambda data: times.append(time.monotonic()), 10, raw=True)
+
+    def hear(data: bytes) -> None:
+        times.append(time.monotonic())
+
+    node.create_subscription(messages.TYPES[kind], "stream", hear, int(depth), raw=True)
     executor = EventsExecutor()
     executor.add_node(node)
 
     def answer() -> None:
         for _ in sys.stdin:
-            got, cpu = times.copy(), time.process_time()
+            while times and time.monotonic() < times[-1] + QUIET:
+                time.sleep(0.02)
+            report(count=len(times))
             times.clear()
-            report(received=len(got), seconds=got[-1] - got[0] if got else 0.0, cpu=cpu)
         rclpy.shutdown()
 
     threading.Thread(target=answer, daemon=True).start()
@@ -44,4 +51,4 @@ def main(kind: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])
