@@ -1,4 +1,4 @@
-"""What the notebooks of the course stand on: nodes in the background, recordings, plots, the turtle.
+"""What the notebooks of the course stand on: nodes in the background, processes, recordings, plots.
 
 Importing this package starts nothing and is quick; each name below is loaded when it is first used.
 """
@@ -15,6 +15,8 @@ EXPORTS = {
     "running": "background",
     "stop": "background",
     "nodes": "background",
+    "start": "processes",
+    "Workspace": "workspaces",
     "wait_for": "waiting",
     "logs": "rosout",
     "record": "recording",
@@ -30,14 +32,15 @@ def __getattr__(name: str) -> Any:
     if name not in EXPORTS:
         raise AttributeError(f"module 'course_kit' has no attribute {name!r}")
     importlib.import_module("course_kit.guards").install()
-    if _in_kernel():
-        importlib.import_module("course_kit.live.console").attach()
+    if in_kernel():
+        for console in ("console", "process_console"):
+            importlib.import_module(f"course_kit.live.{console}").attach()
     value = getattr(importlib.import_module(f"course_kit.{EXPORTS[name]}"), name)
     globals()[name] = value
     return value
 
 
-def _in_kernel() -> bool:
+def in_kernel() -> bool:
     """Whether a Jupyter kernel runs this, without importing Jupyter where none is."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None

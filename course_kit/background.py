@@ -19,7 +19,8 @@ from typing import Any, TypeVar
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from course_kit import context, errors, rosout
+from course_kit import context, errors, processes, rosout
+from course_kit.child_process import Process
 from course_kit.spinning import SpinThread, executor_for
 
 NodeType = TypeVar("NodeType", bound=Node)
@@ -181,13 +182,18 @@ def _forget_ended(start: int) -> None:
         _end(entry)
 
 
-def stop(*which: Node | str | type[Node]) -> None:
-    """Stop and destroy nodes: given by themselves, by name or by class; without argument, all of them.
+def stop(*which: Node | str | type[Node] | Process) -> None:
+    """Stop and destroy nodes: given by themselves, by name or by class. Stop processes, as start() returned them.
 
-    A callback that still runs is interrupted. Stopping a stopped node does nothing. Raises ValueError for a name
-    that does not run.
+    Without argument, all of both. A callback that still runs is interrupted. Stopping what is stopped does nothing.
+    Raises ValueError for a name that does not run.
     """
-    for entry in [r for one in which for r in _select(one)] if which else list(_running.values()):
+    for process in [one for one in which if isinstance(one, Process)]:
+        process.stop()
+    if not which:
+        processes.stop_all()
+    selected = [r for one in which if not isinstance(one, Process) for r in _select(one)]
+    for entry in selected if which else list(_running.values()):
         with _lock:
             if _running.get(entry.name) is not entry:
                 continue

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 import threading
 from dataclasses import dataclass
 from typing import Any
@@ -37,6 +38,16 @@ class _Instruments:
 
 _lock = threading.RLock()
 _instruments: _Instruments | None = None
+_name_prefix, _with_rosout = "_course_kit", False
+
+
+def appear_as(name_prefix: str, with_rosout: bool) -> None:
+    """Name the node after this prefix and the process, from its next start on: in a terminal `ros2` looks like ROS's.
+
+    `with_rosout` says whether it has a /rosout publisher, as every plain node.
+    """
+    global _name_prefix, _with_rosout
+    _name_prefix, _with_rosout = name_prefix, with_rosout
 
 
 def node() -> Node:
@@ -88,9 +99,9 @@ def _running() -> _Instruments:
 
 def _make(start: int) -> _Instruments:
     made = Node(
-        f"_course_kit_{os.getpid()}",
+        f"{_name_prefix}_{os.getpid()}",
         start_parameter_services=False,
-        enable_rosout=False,
+        enable_rosout=_with_rosout,
         parameter_overrides=[Parameter("start_type_description_service", value=False)],
     )
     own_executor = EventsExecutor()
@@ -125,6 +136,8 @@ def stop() -> None:
     if ending is None:
         return
     ending.watcher.stop()
+    if discovery := sys.modules.get("course_kit.discovery"):
+        discovery.forget(ending.node)
     with contextlib.suppress(Exception):  # each of these fails if a student shut ROS down before
         ending.stopped.set_result(True)
     with contextlib.suppress(Exception):

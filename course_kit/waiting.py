@@ -13,7 +13,7 @@ from course_kit import background, spinning
 
 
 class FutureLike(Protocol):
-    """What rclpy's futures have."""
+    """What rclpy's futures have, and processes too."""
 
     def done(self) -> bool: ...
     def result(self) -> Any: ...
@@ -25,6 +25,8 @@ POLL = 0.01  # seconds between two looks at a condition
 
 def wait_for(awaited: FutureLike | Callable[[], Any], timeout: float = 5.0, what: str | None = None) -> Any:
     """Wait for a future's result, or until a condition is true; return the result or the condition's value.
+
+    Of a process that start() returned, wait for the end; return its exit status.
 
     `timeout` in seconds; `what` names the awaited thing in the error. Raises TimeoutError with what did not come
     and what to look at, and BlockingWait if called from a callback. Stands for rclpy.spin_until_future_complete().
@@ -54,7 +56,9 @@ def _wait_for_future(future: FutureLike, timeout: float, what: str | None) -> An
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
     if not done.wait(timeout):
-        raise TimeoutError(f"{what or _describe_future(future)} did not come within {timeout:g} s. {_hint(future)}")
+        explain = getattr(future, "explain_wait", None)  # a process has it
+        described, hint = explain() if explain else (_describe_future(future), _hint(future))
+        raise TimeoutError(f"{what or described} did not come within {timeout:g} s. {hint}")
     return future.result()
 
 

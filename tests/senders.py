@@ -59,7 +59,7 @@ class Sender:
         self._process.stdin.flush()
 
     def result(self) -> dict[str, Any]:
-        """Wait for the last message to be sent: {'sent': messages, 'rate': Hz as really sent}."""
+        """Wait for the last message to be sent: {'sent': messages, 'rate': Hz as really sent, 'size': bytes of each}."""
         result: dict[str, Any] = json.loads(self._read())
         return result
 
@@ -112,7 +112,7 @@ def _main(topic: str, kind: str, rate: float, count: int, depth: int, qos: str) 
             last = time.perf_counter()
         time.sleep(max(0.0, min(0.01, start + sent / rate - time.perf_counter())))
     really = (sent - 1) / (last - start) if sent > 1 else 0.0
-    print(json.dumps({"sent": sent, "rate": really}), flush=True)
+    print(json.dumps({"sent": sent, "rate": really, "size": len(payload)}), flush=True)
     ended.wait()  # so that what was sent still reaches everybody
     node.destroy_node()
     rclpy.shutdown()

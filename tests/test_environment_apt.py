@@ -27,6 +27,7 @@ pytestmark = [
     pytest.mark.skipif(sourced_ros(os.environ) is not None, reason="needs the wheels; here apt's ROS 2 is sourced"),
 ]
 OF_ROS = ("ros-", "ros2-notebook-course")
+APTS_COMMAND = "the ros2 of apt"
 SITE_PACKAGES = f"lib/python{sys.version_info[0]}.{sys.version_info[1]}/site-packages"
 
 
@@ -40,7 +41,8 @@ def imitate_apt(prefix: Path) -> dict[str, str]:
             source = Path(os.path.normpath(file.locate()))
             relative = source.relative_to(sys.prefix)
             metadata = ".dist-info" in str(relative) or source.suffix in (".pth", ".pyc")
-            if metadata or relative.parts[0] == "etc" or "course_kit" in str(relative):
+            ours = "course_kit" in str(relative) or relative == Path("bin/ros2")
+            if metadata or ours or relative.parts[0] == "etc":
                 continue
             target = prefix / relative
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -48,6 +50,11 @@ def imitate_apt(prefix: Path) -> dict[str, str]:
                 shutil.copy2(source, target)
             if target.parent.suffix == ".libs" and target.parent not in libraries:
                 libraries.append(target.parent)
+    (prefix / "share/ament_index/resource_index/packages/ros2cli").touch()
+    command = prefix / "bin/ros2"
+    command.parent.mkdir(exist_ok=True)
+    command.write_text(f"#!/bin/sh\necho {APTS_COMMAND}\n")
+    command.chmod(0o755)
     return {
         "AMENT_PREFIX_PATH": str(prefix),
         "LD_LIBRARY_PATH": os.pathsep.join(map(str, libraries)),
@@ -67,7 +74,8 @@ def apt(tmp_path_factory) -> Iterator[Path]:
 @pytest.fixture(scope="module")
 def sourced(apt) -> dict[str, str]:
     """A terminal in which the imitated installation is sourced."""
-    return fresh_environ(PYTHON=BASE_PYTHON, **imitate_apt(apt))
+    environ = fresh_environ(PYTHON=BASE_PYTHON, **imitate_apt(apt))
+    return environ | {"PATH": os.pathsep.join([str(apt / "bin"), environ["PATH"]])}
 
 
 @pytest.fixture(scope="module")
@@ -109,6 +117,14 @@ def test_rclpy_and_the_interfaces_are_imported_from_apt(course, set_up, sourced,
     result = subprocess.run(command, env=sourced, capture_output=True, text=True, timeout=60, check=True)
     assert all(Path(file).is_relative_to(apt) for file in result.stdout.split())
     assert len(result.stdout.split()) == 2
+
+
+def test_the_ros2_command_is_apts_with_nothing_of_ours_in_between(course, set_up, sourced):
+    assert not (course.root / ".venv/bin/ros2").exists()
+    program = "import subprocess; subprocess.run(['ros2', 'topic', 'list'], check=True)"
+    command = [course.root / ".venv/bin/python", "-c", program]
+    result = subprocess.run(command, env=sourced, capture_output=True, text=True, timeout=60, check=True)
+    assert result.stdout == f"{APTS_COMMAND}\n"
 
 
 def test_no_library_of_ros_comes_from_anywhere_else(course, set_up, sourced, apt):

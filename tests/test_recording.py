@@ -283,9 +283,14 @@ def test_an_interrupted_cell_ends_its_recording(robot: Node) -> None:
         wait_until(lambda: publisher.get_subscription_count() == 1)
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
-    threading.Thread(target=interrupt).start()
-    with pytest.raises(KeyboardInterrupt):
-        record("/chatter", seconds=60)
+    # A shell that runs the tests in the background has them ignore SIGINT; a kernel never does.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        threading.Thread(target=interrupt).start()
+        with pytest.raises(KeyboardInterrupt):
+            record("/chatter", seconds=60)
+    finally:
+        signal.signal(signal.SIGINT, before)
     wait_until(lambda: publisher.get_subscription_count() == 0)
 
 

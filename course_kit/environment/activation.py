@@ -15,6 +15,8 @@ from pathlib import Path
 DISTRO = "jazzy"
 PROFILE = Path(__file__).with_name("fastdds_profile.xml")
 PATH_VARIABLES = ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
+# Corrects what the CMake files of the wheels say about the machine that built them.
+TOOLCHAIN = "share/course_kit/cmake/toolchain.cmake"
 PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 # Set by the ROS wheels when they restarted Python with their libraries on LD_LIBRARY_PATH.
 RESTARTED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
@@ -66,8 +68,11 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     if has_ros_wheels(prefix):
         _leave_installations(environ)
         # Last: a colcon workspace that the user sourced lies over ROS 2, as it lies over /opt/ros.
-        others = [entry for entry in split_paths(environ.get("AMENT_PREFIX_PATH", "")) if entry != prefix]
-        environ["AMENT_PREFIX_PATH"] = os.pathsep.join([*others, prefix])
+        for name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH"):
+            others = [entry for entry in split_paths(environ.get(name, "")) if entry != prefix]
+            environ[name] = os.pathsep.join([*others, prefix])
+        environ.setdefault("CMAKE_TOOLCHAIN_FILE", os.path.join(prefix, TOOLCHAIN))
+        environ.setdefault("CMAKE_GENERATOR", "Ninja")  # from the wheel `ninja`; make may be missing
         # A process started from another Python environment with ROS wheels has only that one's libraries.
         if os.path.join(prefix, "lib") not in split_paths(environ.get("LD_LIBRARY_PATH", "")):
             environ.pop(RESTARTED, None)

@@ -3,7 +3,7 @@
 Runs before anything is installed, so it uses the standard library alone:
 
     python course_kit/environment/pins.py             the lock, with hashes
-    python course_kit/environment/pins.py --no-ros    the same without the wheels of ROS 2
+    python course_kit/environment/pins.py --no-ros    the same without what comes with ROS 2 from apt
 """
 
 from __future__ import annotations
@@ -13,6 +13,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 LOCK = Path(__file__).with_name("requirements.lock")
+# What apt's ROS 2 depends on and so has brought, beside the wheels of ROS 2. Its colcon is a package that many do not
+# install, so ours stays.
+BROUGHT_BY_ROS = ("cmake", "ninja")
 
 
 def blocks(text: str) -> Iterator[tuple[str, str]]:
@@ -31,8 +34,8 @@ def blocks(text: str) -> Iterator[tuple[str, str]]:
 
 
 def is_ros(name: str) -> bool:
-    """Whether a package is one of the wheels of ROS 2."""
-    return name.startswith("ros-")
+    """Whether a package is one of the wheels of ROS 2, or comes with a ROS 2 from apt."""
+    return name.startswith("ros-") or name in BROUGHT_BY_ROS
 
 
 def requirements(with_ros: bool) -> list[str]:

@@ -33,11 +33,14 @@ BUILD_WHEELS = (
 ZIG = "ziglang==0.17.0"  # a whole C++ compiler in a wheel, for machines that have none
 
 
-class Dependencies(MetadataHookInterface):
-    """`dependencies` of the project: every pin of the lock, without ROS 2 where a sourced one is used."""
+class RosMetadata(MetadataHookInterface):
+    """What depends on whether a sourced ROS 2 is used: it brings its own packages, and its own `ros2` command."""
 
     def update(self, metadata: dict[str, Any]) -> None:
-        metadata["dependencies"] = pins.requirements(with_ros=sourced_ros(os.environ) is None)
+        ros = sourced_ros(os.environ)
+        metadata["dependencies"] = pins.requirements(with_ros=ros is None)
+        has_command = ros is not None and ros.has_package("ros2cli")
+        metadata["scripts"] = {} if has_command else {"ros2": "course_kit.ros2.command:main"}
 
 
 class Interfaces(BuildHookInterface):
@@ -97,11 +100,13 @@ class Interfaces(BuildHookInterface):
 
     @staticmethod
     def _share(name: str, source: Path, work: Path) -> dict[str, str]:
-        """share/<package> and the ament index, as a package built by colcon has them."""
+        """share/<package>, lib/<package> and the ament index, as a package built by colcon has them."""
         files = sorted(p for kind in rosidl.KINDS for p in (source / kind).glob(f"*.{kind}"))
         share = {str(p): f"share/{name}/{p.relative_to(source)}" for p in [*files, source / "package.xml"]}
         generated = work / "share" / name
         share |= {str(p): f"share/{name}/{p.relative_to(generated)}" for p in sorted(generated.rglob("*.*"))}
+        # What `ros2 run` and launch files start: scripts that call course_kit.
+        share |= {str(p): f"lib/{name}/{p.name}" for p in sorted((source / "lib").glob("*"))}
         listing = "".join(f"{p.relative_to(source)}\n" for p in files)
         for kind, text in (("packages", ""), ("rosidl_interfaces", listing)):
             marker = work / f"{kind}-{name}"

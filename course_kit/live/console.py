@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import threading
 from collections import deque
-from typing import Any
+from typing import Any, Protocol
 
 from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
@@ -46,8 +46,14 @@ class Console:
             self._handle.update(self.bundle(), raw=True)
 
 
+class Shown(Protocol):
+    """What stands under a cell and changes."""
+
+    def update(self) -> None: ...
+
+
 _consoles: dict[str, Console] = {}
-_changed: set[Console] = set()
+_changed: set[Shown] = set()
 _wake = threading.Event()
 _ending = threading.Event()
 _updater: threading.Thread | None = None
@@ -63,7 +69,7 @@ def attach() -> None:
 
 def _on_event(event: str, name: str) -> None:
     if event == "starting":
-        cell, earlier = _current_cell(), _consoles.get(name)
+        cell, earlier = current_cell(), _consoles.get(name)
         if earlier is None or earlier.cell != cell:
             _consoles[name] = Console(name, cell)
         else:  # run again by the same cell, in a loop for instance
@@ -76,7 +82,7 @@ def _on_event(event: str, name: str) -> None:
             _mark(name)
 
 
-def _current_cell() -> str:
+def current_cell() -> str:
     """What identifies the cell that runs now: the id of the request to run it."""
     shell: Any = get_ipython()
     request = shell.get_parent() if shell is not None else {}
@@ -95,11 +101,14 @@ def _on_line(line: rosout.LogLine) -> None:
 
 
 def _mark(name: str) -> None:
+    console = _consoles.get(name)
+    if console is not None:
+        refresh(console)
+
+
+def refresh(console: Shown) -> None:
     """Have a console updated soon."""
     global _updater
-    console = _consoles.get(name)
-    if console is None:
-        return
     _changed.add(console)
     _wake.set()
     if _updater is None or not _updater.is_alive():

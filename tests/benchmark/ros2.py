@@ -96,13 +96,17 @@ def readings(name: str, kind: str, seconds: float, repetitions: int) -> Iterator
     for verb in ("hz", "bw"):
         ratios, really, read = [], 0.0, 0.0
         for _ in range(repetitions):
-            os.environ["ROS_DOMAIN_ID"] = str(reserve_domain())
+            domain = reserve_domain()
+            os.environ["ROS_DOMAIN_ID"] = str(domain)
             with Sender("/fast", kind, rate=RATE, count=int(RATE * (seconds + 3)), depth=RATE) as sender:
                 words = ["topic", verb, "/fast", "--duration", str(seconds)]
                 if verb == "bw":
                     words += ["--window", "10000"]
                 command = subprocess.Popen(
-                    _command(words), env=environment(int(os.environ["ROS_DOMAIN_ID"])), stdout=subprocess.PIPE, text=True
+                    _command(words),
+                    env=environment(int(os.environ["ROS_DOMAIN_ID"])),
+                    stdout=subprocess.PIPE,
+                    text=True,
                 )
                 sender.go()
                 out = command.communicate(timeout=60)[0]

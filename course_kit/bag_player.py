@@ -1,0 +1,254 @@
+"""Plays a bag: publishes its messages, as they are, with the spacing with which they were recorded.
+
+Each message has its time on a schedule that is computed from the start, so that delays do not add up. A thread reads
+ahead, the calling thread waits and publishes.
+"""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from course_kit import bag_qos, context, topics
+from course_kit.bag_files import OpenBag
+from course_kit.bag_read_ahead import END, SLICE, ReadAhead
+from course_kit.bag_recorder import LogLine
+
+NODE = "rosbag2_player"
+READ_AHEAD = 1000  # messages
+MATCH_TIMEOUT = 1.0  # seconds given to subscriptions that are there already to be matched
+
+
+@dataclass(frozen=True)
+class PlayOptions:
+    """What to play of a bag and how; times in seconds, `until` is counted from the bag's start."""
+
+    rate: float = 1.0
+    loop: bool = False
+    delay: float = 0.0
+    start_offset: float = 0.0
+    duration: float | None = None
+    topics: Collection[str] = ()
+    exclude_topics: Collection[str] = ()
+    regex: str = ""
+    exclude_regex: str = ""
+    remap: Mapping[str, str] = field(default_factory=dict)
+    overrides: Mapping[str, QoSProfile] = field(default_factory=dict)
+    clock_rate: float = 0.0
+    read_ahead: int = READ_AHEAD
+    starts_paused: bool = False
+
+    def takes(self, topic: str) -> bool:
+        """Whether a topic of the bag is to be played."""
+        if topic in self.exclude_topics or (self.exclude_regex and re.search(self.exclude_regex, topic)):
+            return False
+        if not self.topics and not self.regex:
+            return True
+        return topic in self.topics or bool(self.regex and re.search(self.regex, topic))
+
+
+class BagClock:
+    """The time of a bag that plays: where it is now, at which rate it goes, whether it stands still."""
+
+    def __init__(self, start: int, rate: float) -> None:
+        self.rate = rate
+        self.is_paused = False
+        self.jump(start)
+
+    def jump(self, nanoseconds: int) -> None:
+        """Be at this time of the bag now."""
+        self._bag, self._wall = nanoseconds, time.perf_counter_ns()
+
+    def now(self) -> int:
+        """The time of the bag, in nanoseconds."""
+        if self.is_paused:
+            return self._bag
+        return self._bag + int((time.perf_counter_ns() - self._wall) * self.rate)
+
+    def pause(self, is_paused: bool) -> None:
+        """Stand still, or go on from there."""
+        now = self.now()
+        self.is_paused = is_paused
+        self.jump(now)
+
+    def set_rate(self, rate: float) -> None:
+        """Go on at another rate."""
+        self.jump(self.now())
+        self.rate = rate
+
+    def until(self, nanoseconds: int) -> float:
+        """Seconds from now until the bag is at this time."""
+        return (nanoseconds - self.now()) / self.rate * 1e-9
+
+
+class Player:
+    """Publishes the messages of an open bag. `say` gets what rosbag2 would log.
+
+    Raises ValueError if a remapped name cannot be that of a topic. close() it.
+    """
+
+    def __init__(self, bag: OpenBag, options: PlayOptions, say: Callable[[LogLine], None]) -> None:
+        self.bag, self.options = bag, options
+        self._say = lambda text, level="INFO": say(LogLine(level, NODE, text, time.time_ns()))
+        context.start()
+        self.node = Node(
+            NODE,
+            start_parameter_services=False,
+            parameter_overrides=[Parameter("start_type_description_service", value=False)],
+        )
+        has_messages = any(connection.msgcount for connection in bag.connections)
+        self._start = (bag.start if has_messages else 0) + int(options.start_offset * 1e9)
+        self.clock = BagClock(self._start, options.rate)
+        self.clock.is_paused = options.starts_paused
+        self._ticked = 0.0
+        self._steps = 0  # messages to publish while the clock is paused
+        self._clock_publisher = self._make_clock_publisher()
+        self._say(f"Set rate to {options.rate:g}")
+        try:
+            self.publishers = {c.topic: p for c in bag.connections if (p := self._publisher(c)) is not None}
+        except Exception:
+            self.node.destroy_node()
+            raise
+
+    def _make_clock_publisher(self) -> Publisher | None:
+        if not self.options.clock_rate:
+            return None
+        from rosgraph_msgs.msg import Clock
+
+        profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        return self.node.create_publisher(Clock, "/clock", profile)
+
+    def _publisher(self, connection: Any) -> Publisher | None:
+        topic = connection.topic
+        if not self.options.takes(topic):
+            return None
+        try:
+            message_type = topics.message_class(connection.msgtype)
+        except (ImportError, ValueError) as error:
+            self._say(f"Ignoring a topic '{topic}', reason: {str(error).rstrip('.')}.", "WARN")
+            return None
+        if topic in self.options.overrides:
+            self._say(f"Overriding QoS profile for topic {topic}")
+            profile = self.options.overrides[topic]
+        else:
+            profile = bag_qos.to_offer(connection.ext.offered_qos_profiles)
+        return self.node.create_publisher(message_type, topics.absolute(self.options.remap.get(topic, topic)), profile)
+
+    @property
+    def is_matched(self) -> bool:
+        """Whether all subscriptions that are known are connected to the publishers."""
+        return all(
+            publisher.get_subscription_count() >= self.node.count_subscribers(publisher.topic_name)
+            for publisher in self.publishers.values()
+        )
+
+    def toggle_pause(self) -> None:
+        """Stand still, or go on."""
+        self.clock.pause(not self.clock.is_paused)
+        self._say("Pausing play." if self.clock.is_paused else "Resuming play.")
+
+    def set_rate(self, rate: float) -> None:
+        """Play faster or slower from now on."""
+        if rate > 0:
+            self.clock.set_rate(rate)
+            self._say(f"Set rate to {rate:g}")
+        else:
+            self._say(f"Failed to set rate to invalid value {rate:g}", "WARN")
+
+    def play_next(self) -> None:
+        """Publish one message more while standing still."""
+        if self.clock.is_paused:
+            self._steps += 1
+        else:
+            self._say("Called play next, but not in paused state.", "WARN")
+
+    def play(self, tick: Callable[[], None]) -> None:
+        """Play to the end, or on and on if `loop`; `tick` is called every so often and may raise to end it."""
+        stop_at = None if self.options.duration is None else self._start + int(self.options.duration * 1e9)
+        self._say(f"Playback until timestamp: {-1 if stop_at is None else stop_at}")
+        while True:
+            if self.options.delay > 0:
+                self._say(f"Sleep {int(self.options.delay * 1e9)} ns")
+                self._sleep(self.options.delay, tick)
+            self._play_once(tick, stop_at)
+            if not self.options.loop:
+                break
+            tick()
+        for publisher in self.publishers.values():
+            publisher.wait_for_all_acked(Duration(seconds=1))
+
+    def _sleep(self, seconds: float, tick: Callable[[], None]) -> None:
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            tick()
+            time.sleep(min(left, SLICE))
+
+    def _play_once(self, tick: Callable[[], None], stop_at: int | None) -> None:
+        connections = [c for c in self.bag.connections if c.topic in self.publishers]
+        messages = ReadAhead(self.bag.messages(connections, self._start), self.options.read_ahead)
+        publish = {topic: publisher.publish for topic, publisher in self.publishers.items()}
+        try:
+            messages.wait_until_filled(tick)
+            self.clock.jump(self._start)
+            self._next_clock = self._start
+            while (item := messages.next(tick)) is not END:
+                connection, nanoseconds, data = item
+                if stop_at is not None and nanoseconds > stop_at:
+                    break
+                self._wait_until(nanoseconds, tick)
+                publish[connection.topic](data)
+            while self.clock.is_paused:  # at the end too
+                tick()
+                time.sleep(SLICE)
+        finally:
+            messages.close()
+
+    def _wait_until(self, nanoseconds: int, tick: Callable[[], None]) -> None:
+        clock = self.clock
+        while True:
+            if clock.is_paused:
+                if self._steps:
+                    self._steps -= 1
+                    clock.jump(nanoseconds)
+                    return
+                left = SLICE
+            else:
+                left = clock.until(nanoseconds)
+                if left <= 0:
+                    break
+            if self._clock_publisher is not None:
+                left = min(left, self._publish_clock())
+            time.sleep(min(left, SLICE))
+            if clock.is_paused or clock.until(nanoseconds) > 0:
+                self._tick(tick)
+        if time.monotonic() - self._ticked > SLICE:  # also if the bag is so dense that there is nothing to wait for
+            self._tick(tick)
+
+    def _tick(self, tick: Callable[[], None]) -> None:
+        self._ticked = time.monotonic()
+        tick()
+
+    def _publish_clock(self) -> float:
+        """Publish /clock if it is time for that; return the seconds until it is again."""
+        from rosgraph_msgs.msg import Clock
+
+        assert self._clock_publisher is not None
+        if self.clock.now() >= self._next_clock:
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = divmod(self.clock.now(), 10**9)
+            self._clock_publisher.publish(message)
+            self._next_clock = self.clock.now() + int(1e9 / self.options.clock_rate * self.clock.rate)
+        return max(1e-4, self.clock.until(self._next_clock))
+
+    def close(self) -> None:
+        """Destroy the publishers and their node."""
+        self.node.destroy_node()

@@ -1,0 +1,309 @@
+"""Records topics into a bag: serialised messages as they come, with the time at which the middleware received them.
+
+Three threads: one looks for topics, the watcher of the raw subscriptions puts messages into a queue, one writes them.
+So neither a slow disk nor a busy cell loses messages, as long as the queue has room.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import sqlite3
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from course_kit import bag_qos, bag_types, context, errors, graph, topics
+from course_kit.raw_subscriptions import RawSubscription, Watcher
+
+if TYPE_CHECKING:
+    from course_kit.bag_writer import BagWriter
+
+LOOK_PERIOD = 0.1  # seconds between two looks at the graph
+WRITE_PERIOD = 0.02
+FLUSH_PERIOD = 0.5  # what a killed recorder loses at most, in seconds
+BACKLOG = 512 * 1024 * 1024  # bytes that wait to be written; what comes beyond that is lost
+NODE = "rosbag2_recorder"
+RECORDER, TRANSPORT, CPP = NODE, "rosbag2_transport", "rosbag2_cpp"
+
+
+class LogLine(NamedTuple):
+    """What rosbag2 would log, and when (nanoseconds since the epoch)."""
+
+    level: str
+    logger: str
+    text: str
+    stamp: int
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which topics to record: the names, types or regex given, or all; minus what is excluded."""
+
+    names: Collection[str] = ()
+    types: Collection[str] = ()
+    regex: str = ""
+    every: bool = False
+    exclude_names: Collection[str] = ()
+    exclude_types: Collection[str] = ()
+    exclude_regex: str = ""
+    with_hidden: bool = False
+    with_unpublished: bool = False
+    without_leaves: bool = False
+
+    def takes(self, topic: str, type_name: str) -> bool:
+        """Whether a topic is to be recorded, as far as its name and type tell."""
+        if topic in self.exclude_names or type_name in self.exclude_types:
+            return False
+        if self.exclude_regex and re.search(self.exclude_regex, topic):
+            return False
+        if self.every or topic in self.names or type_name in self.types:
+            return True
+        return bool(self.regex) and re.search(self.regex, topic) is not None
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether the names are all that is wanted, so that looking for topics has an end."""
+        return bool(self.names) and not (self.every or self.types or self.regex)
+
+
+@dataclass
+class _Counts:
+    received: int = 0  # bytes, by the watching thread
+    written: int = 0  # bytes, by the writing thread
+    dropped: int = 0  # messages
+
+
+@dataclass(eq=False)
+class Recorder:
+    """One recording, from start() to stop(); what it has to say comes out of `log`, a queue of LogLine."""
+
+    writer: BagWriter
+    selection: Selection
+    overrides: Mapping[str, QoSProfile] = field(default_factory=dict)
+    node_name: str = NODE
+    look_period: float = LOOK_PERIOD
+    looks_on: bool = True
+    is_paused: bool = False
+    log: SimpleQueue[LogLine] = field(default_factory=SimpleQueue)
+    error: str | None = None
+    _subscriptions: dict[str, RawSubscription] = field(default_factory=dict)
+    _queue: deque[tuple[str, int, bytes]] = field(default_factory=deque)
+    _said: set[str] = field(default_factory=set)
+    _counts: _Counts = field(default_factory=_Counts)
+    _ending: threading.Event = field(default_factory=threading.Event)
+    _last: threading.Event = field(default_factory=threading.Event)
+    _threads: list[threading.Thread] = field(default_factory=list)
+
+    def start(self) -> None:
+        """Subscribe to what is there, and go on in the background."""
+        context.start()
+        self.node = Node(
+            self.node_name,
+            start_parameter_services=False,
+            parameter_overrides=[Parameter("start_type_description_service", value=False)],
+        )
+        name = self.node.get_fully_qualified_name()
+        self._watcher = Watcher(self.node, lambda error: errors.report(name, error))
+        context.before_stop(_stop_all)
+        _running.add(self)
+        self._say("Listening for topics...")
+        self._say("Event publisher thread: Starting")
+        self._run(self._write, "writer")
+        self._look()
+        self._say("Recording...")
+        if self.looks_on:
+            self._run(self._look_on, "looks for topics")
+
+    def _run(self, target: Callable[[], None], name: str) -> None:
+        thread = threading.Thread(target=target, name=f"course_kit bag {name}", daemon=True)
+        thread.start()
+        self._threads.append(thread)
+
+    @property
+    def is_running(self) -> bool:
+        """Whether messages are still recorded: until stop(), or until writing fails."""
+        return bool(self._threads) and not self._ending.is_set() and self.error is None
+
+    @property
+    def topics(self) -> list[str]:
+        """The topics that are subscribed to, as they were found."""
+        return list(self._subscriptions)
+
+    @property
+    def lost(self) -> int:
+        """Messages that the middleware could not deliver."""
+        return sum(subscription.lost for subscription in self._subscriptions.values())
+
+    @property
+    def dropped(self) -> int:
+        """Messages that came while too much was waiting to be written."""
+        return self._counts.dropped
+
+    def pause(self, is_paused: bool) -> None:
+        """Ignore what comes from now on, or record again."""
+        if self.is_paused != is_paused:
+            self.is_paused = is_paused
+            self._say("Pausing recording." if is_paused else "Resuming recording.")
+
+    def stop(self) -> None:
+        """End the recording, with everything that has come until now, and close the bag. Safe to call twice."""
+        if self._ending.is_set() or not self._threads:
+            return
+        self._ending.set()
+        _running.discard(self)
+        writing, *looking = self._threads
+        for thread in looking:
+            thread.join(5.0)
+        for subscription in self._subscriptions.values():
+            subscription.close(wait=False)
+        for subscription in self._subscriptions.values():
+            subscription.close()  # delivers what has arrived
+        self.pause(True)
+        self._say("Writing remaining messages from cache to the bag. It may take a while", logger=CPP)
+        self._last.set()
+        writing.join()
+        self._watcher.stop()
+        with contextlib.suppress(Exception):  # a student may have shut ROS down
+            self.node.destroy_node()
+        self._say("Event publisher thread: Exiting")
+        self._say("Recording stopped")
+        if self.lost:
+            self._say(f"Number of messages lost on the transport layer: {self.lost}", "WARN")
+        if self.dropped:
+            self._say(f"Number of messages lost because they came faster than written: {self.dropped}", "WARN", CPP)
+
+    def _say(self, text: str, level: str = "INFO", logger: str = RECORDER) -> None:
+        name = self.node_name if logger == RECORDER else logger
+        self.log.put(LogLine(level, name, text, time.time_ns()))
+
+    def _warn_once(self, text: str, logger: str = TRANSPORT) -> None:
+        if text not in self._said:
+            self._said.add(text)
+            self._say(text, "WARN", logger)
+
+    # Looking for topics, in a thread of its own.
+
+    def _look_on(self) -> None:
+        while not self._ending.is_set():
+            if self.selection.is_finite and set(self.selection.names) <= self._subscriptions.keys():
+                self._say("All requested topics are subscribed. Stopping discovery...")
+                return
+            if self._ending.wait(self.look_period):
+                return
+            try:
+                self._look()
+            except Exception as error:
+                if self._ending.is_set() or not self.node.context.ok():
+                    return
+                self._warn_once(f"Failure in topics discovery. Error: {error}", RECORDER)
+
+    def _look(self) -> None:
+        """Subscribe to all wanted topics that are there by now."""
+        for topic, types in graph.topics(self.node, with_hidden=True).items():
+            if topic in self._subscriptions or not any(self.selection.takes(topic, name) for name in types):
+                continue
+            published = topics.publishers(self.node, topic)
+            if self._is_ready(topic, types, published):
+                self._subscribe(topic, types[0], published)
+
+    def _is_ready(self, topic: str, types: Sequence[str], published: Sequence[TopicEndpointInfo]) -> bool:
+        if len(types) > 1:
+            self._warn_once(
+                f"Topic '{topic}' has more than one type associated. Only topics with one type are supported"
+            )
+            return False
+        if not self.selection.with_hidden and graph.is_hidden(topic):
+            self._warn_once("Hidden topics are not recorded. Enable them with --include-hidden-topics")
+            return False
+        if not published and not self.selection.with_unpublished:
+            return False
+        return not (self.selection.without_leaves and self.node.count_subscribers(topic) == 0)
+
+    def _subscribe(self, topic: str, type_name: str, published: Sequence[TopicEndpointInfo]) -> None:
+        try:
+            message_type = topics.message_class(type_name)
+        except (ImportError, ValueError) as error:
+            self._warn_once(
+                f"Topic '{topic}' has unknown type '{type_name}' associated. "
+                f"Only topics with known type are supported. Reason: '{error}'"
+            )
+            return
+        digest = bag_types.type_hash(type_name) or next((_hash(endpoint) for endpoint in published), "")
+        self.writer.add_topic(topic, type_name, [bag_qos.recorded(p.qos_profile) for p in published], digest=digest)
+        if topic in self.overrides:
+            self._say(f"Overriding subscription profile for {topic}")
+            qos = self.overrides[topic]
+        else:
+            qos = topics.qos_for(topic, published)
+        self._subscriptions[topic] = self._watcher.subscribe(topic, message_type, qos, self._receiver(topic))
+        self._say(f"Subscribed to topic '{topic}'")
+
+    def _receiver(self, topic: str) -> Callable[[bytes, dict[str, Any]], None]:
+        put, counts = self._queue.append, self._counts
+
+        def receive(data: bytes, info: dict[str, Any]) -> None:
+            if self.is_paused:
+                return
+            if counts.received - counts.written > BACKLOG:
+                counts.dropped += 1
+                return
+            counts.received += len(data)
+            put((topic, info["received_timestamp"] or time.time_ns(), data))
+
+        return receive
+
+    # Writing, in a thread of its own.
+
+    def _write(self) -> None:
+        from rosbags.rosbag2 import WriterError
+
+        flushed = time.monotonic()
+        try:
+            while True:
+                is_last = self._last.wait(WRITE_PERIOD)
+                self._drain()
+                if is_last:
+                    break
+                if time.monotonic() - flushed >= FLUSH_PERIOD:
+                    self.writer.flush()
+                    flushed = time.monotonic()
+            self.writer.close()
+        except (OSError, sqlite3.Error, WriterError) as error:
+            reason = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
+            self.error = f"Cannot write to '{self.writer.folder.name}': {reason}. The recording has ended."
+            self.is_paused = True
+            self.writer.abort()
+            self._queue.clear()
+
+    def _drain(self) -> None:
+        queue, counts, write = self._queue, self._counts, self.writer.write
+        while queue:
+            topic, nanoseconds, data = queue.popleft()
+            write(topic, nanoseconds, data)
+            counts.written += len(data)
+
+
+_running: set[Recorder] = set()
+
+
+def _stop_all() -> None:
+    """Close the bags before the ROS context ends."""
+    for recorder in list(_running):
+        recorder.stop()
+
+
+def _hash(endpoint: TopicEndpointInfo) -> str:
+    """The type's hash as a publisher tells it."""
+    told = getattr(endpoint, "topic_type_hash", None)
+    return str(told) if told is not None and str(told).startswith("RIHS") else ""

@@ -1,0 +1,66 @@
+"""What a bag keeps of a message type beside its name: its whole definition and its hash, from the ament index."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
+
+SEPARATOR = "=" * 80
+PRIMITIVES = {"bool", "byte", "char", "float32", "float64", "string", "wstring"} | {
+    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
+_FIELD = re.compile(r"\s*([A-Za-z][\w/]*)[<\[=\w\]\s]")
+
+
+def definition(type_name: str) -> str:
+    """The text of a type's .msg file, followed by those of all types it is made of; '' where there is no such file."""
+    texts: dict[str, str] = {}
+    waiting = [_short(type_name)]
+    while waiting:
+        name = waiting.pop(0)
+        if name in texts:
+            continue
+        try:
+            texts[name] = _file(name, "msg", ".msg").read_text(encoding="utf-8")
+        except OSError:
+            return ""
+        waiting += _parts(texts[name], name.split("/")[0])
+    (_, first), *others = texts.items()
+    return "".join([first, *(f"\n{SEPARATOR}\nMSG: {name}\n{text}" for name, text in others)])
+
+
+def type_hash(type_name: str) -> str:
+    """The hash (RIHS01_…) of a type, '' if its package does not tell it."""
+    try:
+        described = json.loads(_file(type_name, type_name.split("/")[1], ".json").read_text(encoding="utf-8"))
+    except (OSError, ValueError, IndexError):
+        return ""
+    hashes = {entry.get("type_name"): entry.get("hash_string") for entry in described.get("type_hashes", ())}
+    return str(hashes.get(type_name) or "")
+
+
+def _short(type_name: str) -> str:
+    """'std_msgs/String' for 'std_msgs/msg/String': the form in which definitions name types."""
+    return type_name.replace("/msg/", "/")
+
+
+def _file(type_name: str, folder: str, ending: str) -> Path:
+    package, name = type_name.split("/")[0], type_name.rsplit("/", 1)[-1]
+    try:
+        return Path(get_package_share_directory(package), folder, name + ending)
+    except (PackageNotFoundError, ValueError):
+        raise FileNotFoundError(f"package {package!r} is not installed") from None
+
+
+def _parts(text: str, package: str) -> list[str]:
+    """The types, no primitive ones, that the fields of a definition have."""
+    found = []
+    for line in text.splitlines():
+        field = _FIELD.match(line.split("#", 1)[0] + " ")
+        if field is None or field[1] in PRIMITIVES:
+            continue
+        found.append(field[1] if "/" in field[1] else f"{package}/{field[1]}")
+    return [_short(name) for name in found]

@@ -1,0 +1,25 @@
+# The CMake targets that the wheels of ROS 2 bring name folders of the machine that built them: Python's and NumPy's
+# headers below /opt/python, libraries in /usr/lib64. When a project's CMakeLists.txt has been read, put this machine's
+# in their place, in the targets alone: no installed file is changed.
+
+function(_course_kit_correct_targets)
+  get_property(targets DIRECTORY PROPERTY IMPORTED_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(headers ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    if(headers MATCHES "/opt/python/")
+      list(TRANSFORM headers REPLACE "^/opt/python/.*/numpy/.*$" "${Python3_NumPy_INCLUDE_DIRS}")
+      list(TRANSFORM headers REPLACE "^/opt/python/.*/include/python.*$" "${Python3_INCLUDE_DIRS}")
+      list(REMOVE_ITEM headers "") # a project that did not look for Python needs none of its headers
+      set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${headers}")
+    endif()
+    get_target_property(libraries ${target} INTERFACE_LINK_LIBRARIES)
+    if(libraries MATCHES "/usr/lib64/")
+      list(FILTER libraries EXCLUDE REGEX "^/usr/lib64/")
+      set_target_properties(${target} PROPERTIES INTERFACE_LINK_LIBRARIES "${libraries}")
+    endif()
+  endforeach()
+endfunction()
+
+if(CMAKE_CURRENT_SOURCE_DIR STREQUAL CMAKE_SOURCE_DIR)
+  cmake_language(DEFER CALL _course_kit_correct_targets)
+endif()

@@ -1,0 +1,177 @@
+"""`ros2 action send_goal`: one goal, its feedback and its result; an interrupt cancels the goal."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from queue import SimpleQueue
+from types import FrameType
+from typing import Any
+
+from course_kit.ros2.completion import action_names, type_of_action
+from course_kit.ros2.session import Session
+from course_kit.ros2.verbs import CommandError, Verb, did_you_mean
+
+GONE = 2.0  # seconds after which a server that is not there any more will not answer
+SAME_INTERRUPT = 0.5  # seconds: a shell may pass one Ctrl-C on twice, to the process and to its group
+STATUSES = {1: "ACCEPTED", 2: "EXECUTING", 3: "CANCELING", 4: "SUCCEEDED", 5: "CANCELED", 6: "ABORTED"}
+
+
+def _arguments(parser: ArgumentParser) -> None:
+    argument = parser.add_argument("action_name", help="Name of the ROS action (e.g. '/fibonacci')")
+    argument.completer = action_names  # type: ignore[attr-defined]
+    argument = parser.add_argument(
+        "action_type", help="Type of the ROS action (e.g. 'example_interfaces/action/Fibonacci')"
+    )
+    argument.completer = type_of_action  # type: ignore[attr-defined]
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("goal", nargs="?", default="{}", help="Goal request values in YAML format (e.g. '{order: 10}')")
+    group.add_argument("--stdin", action="store_true", help="Read goal from standard input")
+    parser.add_argument("-f", "--feedback", action="store_true", help="Echo feedback messages for the goal")
+
+
+def _run(args: Namespace, session: Session) -> None:
+    from rclpy.action import ActionClient
+
+    from course_kit import instruments
+    from course_kit.ros2.interface_classes import checked_name, interface_class
+    from course_kit.ros2.message_values import NotYaml, parse, populate, stamp
+
+    kind = interface_class(args.action_type, "action")
+    goal = kind.Goal()
+    try:
+        times = populate(goal, parse(sys.stdin.buffer.read() if args.stdin else args.goal))
+    except NotYaml as error:
+        raise CommandError(f"The passed value is not valid YAML: {error}") from None
+    except (AttributeError, TypeError, ValueError, OverflowError, AssertionError) as error:
+        raise CommandError(f"Failed to populate message fields: {error!r}") from None
+    name = checked_name(args.action_name, "action")
+    try:
+        client = ActionClient(session.node, kind, name)
+    except Exception as error:  # rclpy has several for what the middleware refuses
+        raise CommandError(" ".join(str(error).split())) from None
+    try:
+        session.print("Waiting for an action server to become available...")
+        _wait_for_server(session, client, args.action_name, args.action_type)
+        stamp(times, *session.node.get_clock().now().seconds_nanoseconds())
+        _Goal(session, client, args.action_name, args.feedback).send(goal)
+    finally:
+        instruments.executor().create_task(client.destroy)
+
+
+def _wait_for_server(session: Session, client: Any, name: str, action_type: str) -> None:
+    from course_kit import graph
+
+    if session.until(client.server_is_ready, GONE, poll=0.005):
+        return
+    node = session.graph()
+    actions = graph.actions(node).items()
+    offered = {found: types for found, types in actions if node.count_publishers(f"{found}/_action/status")}
+    full_name = name if name.startswith("/") else f"/{name}"
+    types = [found for found in offered.get(full_name, []) if found != action_type]
+    suggestion = f"Did you mean {types[0]}?" if types else did_you_mean(full_name, offered)
+    if suggestion and not client.server_is_ready():
+        session.warn(suggestion)
+    session.until(client.server_is_ready)
+
+
+class _Goal:
+    """The way of one goal."""
+
+    def __init__(self, session: Session, client: Any, action: str, with_feedback: bool) -> None:
+        self._session = session
+        self._client = client
+        self._action = action
+        self._with_feedback = with_feedback
+        self._is_accepted = False
+        self._feedback: SimpleQueue[Any] = SimpleQueue()
+
+    def send(self, goal: Any) -> None:
+        from course_kit.ros2.message_yaml import to_yaml
+
+        say = self._session.print
+        say(f"Sending goal:\n     {to_yaml(goal)}")
+        callback = self._feedback.put if self._with_feedback else None
+        handle = self._outcome(self._client.send_goal_async(goal, callback), "sending goal")
+        if not handle.accepted:
+            say("Goal was rejected.")
+            return
+        coming = handle.get_result_async()
+        try:
+            self._is_accepted = True
+            say(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n")
+            result = self._outcome(coming, "getting result")
+        except KeyboardInterrupt:
+            with _one_interrupt():
+                self._cancel(handle)
+                result = self._outcome(coming, "getting result")
+        say(f"Result:\n    {to_yaml(result.result)}")
+        say(f"Goal finished with status: {STATUSES.get(result.status, 'UNKNOWN')}")
+
+    def _cancel(self, handle: Any) -> None:
+        self._session.print("Canceling goal...")
+        response = self._outcome(handle.cancel_goal_async(), "canceling goal")
+        if len(response.goals_canceling) == 0:
+            raise CommandError("Failed to cancel goal")
+        if len(response.goals_canceling) > 1:
+            raise CommandError("More than one goal canceled")
+        if response.goals_canceling[0].goal_id != handle.goal_id:
+            raise CommandError("Canceled goal with incorrect goal ID")
+        self._session.print("Goal canceled.")
+
+    def _outcome(self, future: Any, doing: str) -> Any:
+        """What a future brings, with the feedback that comes meanwhile. CommandError if the server ends before."""
+        is_over = self._watch(future)
+        while not is_over():
+            self._session.until(lambda: is_over() or self._has_feedback(), poll=0.005)
+            self._print_feedback()
+        self._print_feedback()
+        if not future.done():
+            raise CommandError(f"Exception while {doing}: the server of '{self._action}' ended")
+        if future.exception() is not None:
+            raise CommandError(f"Exception while {doing}: {future.exception()!r}")
+        return future.result()
+
+    def _watch(self, future: Any) -> Callable[[], bool]:
+        """Whether a future is done, or will never be because its server has gone."""
+        seen = time.monotonic()
+
+        def is_over() -> bool:
+            nonlocal seen
+            if self._client.server_is_ready():
+                seen = time.monotonic()
+            return bool(future.done()) or time.monotonic() - seen > GONE
+
+        return is_over
+
+    def _has_feedback(self) -> bool:
+        return self._is_accepted and not self._feedback.empty()
+
+    def _print_feedback(self) -> None:
+        from course_kit.ros2.message_yaml import to_yaml
+
+        while self._has_feedback():
+            self._session.print(f"Feedback:\n    {to_yaml(self._feedback.get().feedback)}")
+
+
+@contextmanager
+def _one_interrupt() -> Iterator[None]:
+    """Take an interrupt that follows at once for the same one; a later one counts."""
+    began = time.monotonic()
+
+    def interrupt_again(number: int, frame: FrameType | None) -> None:
+        if time.monotonic() - began > SAME_INTERRUPT:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, interrupt_again)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+SEND_GOAL = Verb("Send an action goal", _run, _arguments)

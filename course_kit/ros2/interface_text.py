@@ -1,0 +1,84 @@
+"""Definitions of messages, services and actions as text, with what their fields are made of below each field.
+
+The real command hands each line alone to rosidl's parser, cuts comments where they are not wanted, and prints the
+rest as it stands in the file. What it leaves of a comment (a line that has nothing but `#`, the `#` before a comment
+that is cut) is left here too, so that the two print the same.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import textwrap
+from collections.abc import Callable, Collection, Iterator
+
+SEPARATOR = "---"
+KINDS = ("msg", "srv", "action")
+NUMBERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)) | {"float32", "float64"}
+PRIMITIVES = NUMBERS | {"bool", "byte", "char", "string", "wstring", "time", "duration"}
+_UNIT = re.compile(r"\s*\[[^,\]]+\]")  # a unit in brackets, which rosidl takes out of a comment
+NEAR = 0.6  # how alike a name and its suggestion are, of 1
+
+
+def show(
+    type_name: str,
+    read: Callable[[str], str],
+    comments: bool = True,
+    nested_comments: bool = False,
+    depth: int = 0,
+) -> Iterator[str]:
+    """The lines of a definition; `read(type name)` gives the text of one, and its errors pass through."""
+    package = type_name.split("/")[0]
+    for line in read(type_name).splitlines():
+        text = line.rstrip()
+        shown = text if comments else without_comment(text)
+        if shown is not None:
+            yield "\t" * depth + shown if shown else ""
+        if nested := nested_type(text, package):
+            yield from show(nested, read, nested_comments, nested_comments, depth + 1)
+
+
+def without_comment(text: str) -> str | None:
+    """What the real command leaves of a line without its comment; None for a line that is not shown at all."""
+    if not text:
+        return None
+    plain = text.replace("\t", " ")
+    index = plain.find("#")
+    if index < 0:
+        return text
+    comment = _meaning(plain[index:])
+    if index == 0:
+        return text if not comment else None
+    if not plain[:index].strip() or not comment:  # an indented comment, an empty one: as in the file
+        return text
+    first = textwrap.dedent(comment).split("\n")[0]
+    return text[: text.find(first) - 1].strip()
+
+
+def _meaning(comment: str) -> str:
+    """A comment without its signs, and without its unit if it has just one."""
+    words = comment.lstrip("#")
+    units = _UNIT.findall(words)
+    return words.replace(units[0], "") if len(units) == 1 else words
+
+
+def nested_type(text: str, package: str) -> str | None:
+    """The type of a line's field, if it is a message itself: 'std_msgs/msg/Header'."""
+    kind, _, rest = text.replace("\t", " ").split("#")[0].partition(" ")
+    name = re.sub(r"\[[^\]]*\]$", "", kind)
+    if not rest.strip() or "=" in rest or re.sub("<=.*", "", name) in PRIMITIVES:
+        return None
+    parts = name.split("/") if "/" in name else [package, name]
+    is_type = len(parts) == 2 and all(part.isidentifier() for part in parts)
+    return "/msg/".join(parts) if is_type else None
+
+
+def near_type(name: str, known: Collection[str]) -> str | None:
+    """The known type that is meant by a wrong name, as well as can be told: the same word, or one like it."""
+    package, _, rest = name.partition("/")
+    word = (rest or package).rsplit("/", 1)[-1]
+    same_word = [k for k in known if k.rsplit("/", 1)[-1] == word]
+    if same_word:
+        return max(sorted(same_word), key=lambda k: difflib.SequenceMatcher(None, k, name).ratio())
+    in_package = [k for k in known if k.startswith(f"{package}/")]
+    return next(iter(difflib.get_close_matches(name, in_package, n=1, cutoff=NEAR)), None)

@@ -1,0 +1,128 @@
+"""A child process of a launch: started, read line by line, signalled, awaited."""
+
+from __future__ import annotations
+
+import asyncio
+import codecs
+import contextlib
+import os
+import pty
+import signal
+import subprocess
+import threading
+from collections.abc import Callable, Sequence
+
+CHUNK = 65536
+# Output that grandchildren hold open is not waited for longer than this once the process has ended.
+PATIENCE = 0.5
+
+
+class Child:
+    """A running process; what it writes goes to `on_data(source, bytes)` and `on_line(source, line)`."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        cmd: Sequence[str],
+        cwd: str | None,
+        env: dict[str, str],
+        shell: bool,
+        emulate_tty: bool,
+        on_data: Callable[[str, bytes], None],
+        on_line: Callable[[str, str], None],
+    ) -> None:
+        self._loop = loop
+        self._on_data = on_data
+        self._on_line = on_line
+        self.ended: asyncio.Future[int] = loop.create_future()
+        self._code: int | None = None
+        # Of each pair, the first end is ours.
+        pipes = [pty.openpty() if emulate_tty else os.pipe() for _ in range(2)]
+        try:
+            self._process = subprocess.Popen(
+                " ".join(cmd) if shell else list(cmd),
+                cwd=cwd,
+                env=env,
+                shell=shell,
+                stdin=subprocess.PIPE,
+                stdout=pipes[0][1],
+                stderr=pipes[1][1],
+            )
+        except BaseException:
+            for fd in (fd for pair in pipes for fd in pair):
+                os.close(fd)
+            raise
+        self.pid = self._process.pid
+        self._sources: dict[int, _Lines] = {}
+        for source, (ours, theirs) in zip(("stdout", "stderr"), pipes, strict=True):
+            os.close(theirs)
+            os.set_blocking(ours, False)
+            self._sources[ours] = _Lines(source)
+            loop.add_reader(ours, self._read, ours)
+        threading.Thread(target=self._wait, name=f"wait for {self.pid}", daemon=True).start()
+
+    def _wait(self) -> None:
+        code = self._process.wait()
+        with contextlib.suppress(RuntimeError):  # the launch is over
+            self._loop.call_soon_threadsafe(self._exited, code)
+
+    def _exited(self, code: int) -> None:
+        self._code = code
+        if self._sources:
+            self._loop.call_later(PATIENCE, self._finish)
+        else:
+            self._finish()
+
+    def _finish(self) -> None:
+        for lines in self._sources.values():
+            self._write(lines, lines.rest())
+        if self._code is not None and not self.ended.done():
+            self.ended.set_result(self._code)
+
+    def _read(self, fd: int) -> None:
+        try:
+            data = os.read(fd, CHUNK)
+        except BlockingIOError:
+            return
+        except OSError:  # how a terminal tells its end
+            data = b""
+        lines = self._sources[fd]
+        if data:
+            self._on_data(lines.source, data)
+            self._write(lines, lines.feed(data))
+            return
+        self._write(lines, lines.rest())
+        self._loop.remove_reader(fd)
+        os.close(fd)
+        del self._sources[fd]
+        if not self._sources and self._code is not None:
+            self._finish()
+
+    def _write(self, lines: _Lines, complete: Sequence[str]) -> None:
+        for line in complete:
+            self._on_line(lines.source, line)
+
+    def send(self, number: signal.Signals) -> None:
+        """Send a signal, unless it has ended."""
+        if self._code is None:
+            with contextlib.suppress(ProcessLookupError):
+                self._process.send_signal(number)
+
+
+class _Lines:
+    """Cuts bytes into lines."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
+        self._partial = ""
+
+    def feed(self, data: bytes) -> list[str]:
+        """The lines that are complete now."""
+        *complete, self._partial = (self._partial + self._decoder.decode(data)).split("\n")
+        return [line.removesuffix("\r") for line in complete]
+
+    def rest(self) -> list[str]:
+        """What came after the last line end, if anything."""
+        partial, self._partial = self._partial + self._decoder.decode(b"", final=True), ""
+        return [partial] if partial else []

@@ -1,0 +1,177 @@
+"""Where a launch writes: the screen, launch.log, and log files of single processes."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import IO, Any
+
+LEVELS = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
+DESTINATIONS = {"screen", "log", "own_log"}
+# What the words for `output` stand for: source -> destinations.
+WORDS: dict[str, dict[str, set[str]]] = {
+    "screen": {"both": {"screen"}},
+    "log": {"both": {"log"}, "stderr": {"screen"}},
+    "both": {"both": {"log", "screen"}},
+    "own_log": {"both": {"own_log"}, "stdout": {"own_log"}, "stderr": {"own_log"}},
+    "full": {"both": {"screen", "log", "own_log"}, "stdout": {"own_log"}, "stderr": {"own_log"}},
+}
+
+
+def log_root() -> Path:
+    """The folder that all log folders are in: ROS_LOG_DIR, else log in ROS_HOME, else ~/.ros/log."""
+    folder = os.environ.get("ROS_LOG_DIR")
+    if not folder:
+        folder = os.path.join(os.environ.get("ROS_HOME") or os.path.join("~", ".ros"), "log")
+    return Path(os.path.normpath(os.path.expanduser(folder)))
+
+
+class _Files:
+    """The log files of this launch, below a folder made when the first one is needed."""
+
+    def __init__(self) -> None:
+        self._folder: Path | None = None
+        self._open: dict[str, IO[str] | None] = {}
+
+    @property
+    def folder(self) -> Path:
+        if self._folder is None:
+            stamp = datetime.datetime.now().strftime("%Y-%m-%d-%H-%M-%S-%f")
+            self._folder = log_root() / f"{stamp}-{socket.gethostname()}-{os.getpid()}"
+            self._folder.mkdir(parents=True, exist_ok=True)
+            self._link_latest(self._folder)
+        return self._folder
+
+    @staticmethod
+    def _link_latest(folder: Path) -> None:
+        link = folder.parent / "latest"
+        try:
+            if link.is_symlink():
+                link.unlink()
+            if not link.exists():
+                link.symlink_to(folder, target_is_directory=True)
+        except OSError:  # another launch was quicker
+            pass
+
+    def write(self, name: str, line: str) -> None:
+        if name not in self._open:
+            self._open[name] = self._opened(name)
+        file = self._open[name]
+        if file is not None:
+            file.write(line + "\n")
+
+    def _opened(self, name: str) -> IO[str] | None:
+        try:
+            return open(self.folder / name, "a", encoding="utf-8", errors="replace", buffering=1)
+        except OSError as error:
+            # A disk that is full or read-only must not keep nodes from running.
+            print(f"cannot write {name}: {error}", file=sys.stderr, flush=True)
+            return None
+
+
+files = _Files()
+_threshold = LEVELS["INFO"]
+
+
+def set_debug(is_on: bool) -> None:
+    """Show debug messages, or not."""
+    global _threshold
+    _threshold = LEVELS["DEBUG" if is_on else "INFO"]
+
+
+def verbosity() -> str:
+    """The name of the lowest level that is shown."""
+    return next(name for name, level in LEVELS.items() if level == _threshold)
+
+
+def screen(line: str) -> None:
+    """Write a line to the screen, at once. A reader that went away interrupts the launch."""
+    try:
+        print(line, flush=True)
+    except UnicodeEncodeError:
+        encoding = sys.stdout.encoding or "ascii"
+        print(line.encode(encoding, "replace").decode(encoding), flush=True)
+    except BrokenPipeError:  # as in `ros2 launch ... | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        os.kill(os.getpid(), signal.SIGINT)
+
+
+class Logger:
+    """Messages of the launch itself or of a launch file: `[INFO] [name]: message`, on the screen and in launch.log."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def log(self, level: str, message: object, *values: Any) -> None:
+        """Write a message of a level."""
+        if LEVELS[level] < _threshold:
+            return
+        text = str(message) % values if values else str(message)
+        line = f"[{level}] [{self.name}]: {text}"
+        screen(line)
+        files.write("launch.log", f"{time.time():.7f} {line}")
+
+    def debug(self, message: object, *values: Any) -> None:
+        self.log("DEBUG", message, *values)
+
+    def info(self, message: object, *values: Any) -> None:
+        self.log("INFO", message, *values)
+
+    def warning(self, message: object, *values: Any) -> None:
+        self.log("WARNING", message, *values)
+
+    warn = warning
+
+    def error(self, message: object, *values: Any) -> None:
+        self.log("ERROR", message, *values)
+
+    def critical(self, message: object, *values: Any) -> None:
+        self.log("CRITICAL", message, *values)
+
+
+def get_logger(name: str | None = None) -> Logger:
+    """The logger of that name."""
+    return Logger(name or "root")
+
+
+class ProcessOutput:
+    """The lines of one process, on their way to where its `output` says."""
+
+    def __init__(self, process_name: str, config: str | Mapping[str, str | Iterable[str]]) -> None:
+        self._name = process_name
+        self._destinations = _destinations(config)
+
+    def write(self, source: str, line: str) -> None:
+        """Write a line that came from `source`, stdout or stderr."""
+        own, both = self._destinations.get(source, set()), self._destinations.get("both", set())
+        if "screen" in own | both:
+            screen(line)
+        if "log" in own | both:
+            files.write("launch.log", f"{time.time():.7f} {line}")
+        if "own_log" in own:
+            files.write(f"{self._name}-{source}.log", line)
+        if "own_log" in both:
+            files.write(f"{self._name}.log", line)
+
+
+def _destinations(config: str | Mapping[str, str | Iterable[str]]) -> dict[str, set[str]]:
+    if isinstance(config, str):
+        if config not in WORDS:
+            raise ValueError(f'{config} is not a valid standard output config i.e. "screen", "log" or "both"')
+        return WORDS[config]
+    if not isinstance(config, Mapping):
+        raise ValueError(f"{config} is not a valid output configuration")
+    found: dict[str, set[str]] = {}
+    for source, wanted in config.items():
+        if source not in ("stdout", "stderr", "both"):
+            raise ValueError(f'{source} is not a valid output source i.e. "stdout", "stderr" or "both"')
+        found[source] = {wanted} if isinstance(wanted, str) else set(wanted)
+        for destination in found[source] - DESTINATIONS:
+            raise ValueError(f'{destination} is not a valid output destination i.e. "screen", "log" or "own_log"')
+    return found

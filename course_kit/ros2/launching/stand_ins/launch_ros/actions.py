@@ -1,0 +1,15 @@
+"""Stands in for launch_ros.actions."""
+
+from course_kit.ros2.launching.node import (
+    Node,
+    PushROSNamespace,
+    SetParameter,
+    SetRemap,
+)
+from course_kit.ros2.launching.node import (
+    PushROSNamespace as PushRosNamespace,
+)
+from course_kit.ros2.launching.uncovered import attributes_of
+
+__all__ = ["Node", "PushROSNamespace", "PushRosNamespace", "SetParameter", "SetRemap"]
+__getattr__ = attributes_of(__name__, __all__)

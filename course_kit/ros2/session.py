@@ -1,0 +1,97 @@
+"""What a verb works with: where it writes, its node, the graph, and when it has to end."""
+
+from __future__ import annotations
+
+import sys
+import time
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+import course_kit
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+POLL = 0.01  # seconds between two looks at a condition
+WHOLE_TIMEOUT = 3.0  # seconds given to the graph to become known; a graph at rest takes a tenth of one
+
+
+class DurationOver(Exception):  # noqa: N818 - it is no error
+    """The time that --duration gives to a verb is over: it ends well."""
+
+
+class Session:
+    """One run of one verb, in the main thread of a process of its own or of a notebook's kernel.
+
+    Both have one ROS context and the node of the instruments, spun in a thread of its own: callbacks put what comes
+    into a queue, and the verb takes it out here. So an interrupt reaches the verb and never ends ROS.
+    """
+
+    def __init__(self, args: Namespace) -> None:
+        self.in_notebook = course_kit.in_kernel()
+        self._spin_time: float | None = getattr(args, "spin_time", None)
+        duration: float | None = getattr(args, "duration", None)
+        self._deadline = None if duration is None else time.monotonic() + duration
+
+    def print(self, text: str = "", end: str = "\n") -> None:
+        """Write to stdout, at once."""
+        print(text, end=end, flush=True)
+
+    def warn(self, text: str) -> None:
+        """Write a line to stderr, at once."""
+        print(text, file=sys.stderr, flush=True)
+
+    @property
+    def node(self) -> Node:
+        """The node of this process that watches and calls; its name is hidden. Do not wait in its callbacks."""
+        from course_kit import instruments
+
+        if not self.in_notebook:
+            instruments.appear_as("_ros2cli", with_rosout=True)
+        return instruments.node()
+
+    def graph(self) -> Node:
+        """The node, once it knows the whole graph as it is now."""
+        from course_kit import discovery
+
+        node = self.node
+        known = discovery.of(node)
+        if self.in_notebook:
+            known.keep(node)
+        known.wait(WHOLE_TIMEOUT if self._spin_time is None else self._spin_time)
+        return node
+
+    def check_time(self) -> None:
+        """Raise DurationOver if --duration has passed."""
+        if self._deadline is not None and time.monotonic() >= self._deadline:
+            raise DurationOver
+
+    def until(self, condition: Callable[[], Any], timeout: float | None = None, poll: float = POLL) -> bool:
+        """Wait until a condition is true; False if it is not within `timeout` seconds (None: wait on)."""
+        end = None if timeout is None else time.monotonic() + timeout
+        while not condition():
+            self.check_time()
+            if end is not None and time.monotonic() >= end:
+                return False
+            time.sleep(poll)
+        return True
+
+    def sleep(self, seconds: float) -> None:
+        """Pause, but not beyond --duration."""
+        self.until(lambda: False, timeout=seconds, poll=min(POLL, seconds) or POLL)
+
+    def items(self, queue: SimpleQueue[Any], timeout: float | None = None) -> Iterator[Any]:
+        """What callbacks put into a queue, as it comes; ends when nothing has come for `timeout` seconds."""
+        waited = time.monotonic()
+        while True:
+            self.check_time()
+            try:
+                item = queue.get(timeout=0.05)
+            except Empty:
+                if timeout is not None and time.monotonic() - waited >= timeout:
+                    return
+                continue
+            yield item
+            waited = time.monotonic()

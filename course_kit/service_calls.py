@@ -1,0 +1,61 @@
+"""Service calls as data, put together from the events that clients and servers publish about them.
+
+A client or server with `configure_introspection(...)` publishes on `<service>/_service_event` when a request or a
+response is sent or received. What belongs to one call has the same sequence number and the same client.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+NAMES = ("request_sent", "request_received", "response_sent", "response_received")  # by service_msgs' event_type
+PROCESS = 12  # bytes at the start of a gid that are the same for everything of one process
+
+
+@dataclass(frozen=True)
+class Call:
+    """When the four events of one call happened, in seconds of the nodes' clocks; nan for one that did not."""
+
+    number: int  # of the client's requests, from 1
+    times: dict[str, float] = field(default_factory=dict)
+
+    def __getattr__(self, name: str) -> float:
+        if name in NAMES:
+            return self.times.get(name, math.nan)
+        raise AttributeError(name)
+
+    @property
+    def waiting(self) -> float:
+        """Seconds until the server's callback began: the way, and the queue."""
+        return self.request_received - self.request_sent
+
+    @property
+    def working(self) -> float:
+        """Seconds that the server took."""
+        return self.response_sent - self.request_received
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the request to the response, as the client sees it."""
+        return self.response_received - self.request_sent
+
+
+def calls_of(events: Iterable[Any]) -> list[Call]:
+    """The calls in messages of a service's event type, in the order of their requests.
+
+    A call of which only the server or only the client reports has the events that were reported. Two clients of one
+    process on one service cannot be told apart: ValueError.
+    """
+    found: dict[tuple[bytes, int], dict[str, float]] = {}
+    for event in events:
+        info = event.info
+        key = (bytes(bytearray(info.client_gid))[:PROCESS], info.sequence_number)
+        times, name = found.setdefault(key, {}), NAMES[info.event_type]
+        if name in times:
+            raise ValueError(f"two clients of one process made a request {info.sequence_number} of this service")
+        times[name] = info.stamp.sec + info.stamp.nanosec * 1e-9
+    calls = [Call(number, times) for (_, number), times in found.items()]
+    return sorted(calls, key=lambda call: min(call.times.values()))

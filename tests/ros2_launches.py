@@ -1,0 +1,226 @@
+"""Runs `ros2 launch` and `ros2 run` in processes of their own and reads what they print while they run."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+PROGRAMS = ROOT / "tests/programs"
+TIMEOUT = 60.0
+IMPORTS = """
+import os, sys
+from launch import LaunchDescription
+from launch.actions import *
+from launch.conditions import *
+from launch.event_handlers import *
+from launch.events.process import *
+from launch.launch_description_sources import *
+from launch.substitutions import *
+from launch_ros.actions import *
+from launch_ros.parameter_descriptions import *
+from launch_ros.substitutions import *
+
+def python(code, **options):
+    options = {"name": "child", "output": "screen"} | options
+    return ExecuteProcess(cmd=[sys.executable, "-S", "-u", "-c", code], **options)
+
+def generate_launch_description():
+    return LaunchDescription([
+"""
+
+
+class Prefix:
+    """A place that packages are installed to, as a workspace built by colcon has it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.environment = {
+            "AMENT_PREFIX_PATH": os.pathsep.join([str(folder), os.environ.get("AMENT_PREFIX_PATH", "")]),
+            "ROS_LOG_DIR": str(folder / "log"),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
+
+    def package(self, name: str) -> Path:
+        """Make a package; return its share directory."""
+        index = self.folder / "share/ament_index/resource_index/packages"
+        index.mkdir(parents=True, exist_ok=True)
+        (index / name).touch()
+        share = self.folder / "share" / name
+        share.mkdir(exist_ok=True)
+        (self.folder / "lib" / name).mkdir(parents=True, exist_ok=True)
+        return share
+
+    def program(self, package: str, name: str, code: str) -> Path:
+        """Install a Python program as an executable of a package."""
+        path = self.folder / "lib" / package / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"#!{sys.executable}\n{code}\n")
+        path.chmod(0o755)
+        return path
+
+    def node(self, package: str, name: str) -> Path:
+        """Install tests/programs/launched_node.py under a name."""
+        return self.program(package, name, (PROGRAMS / "launched_node.py").read_text())
+
+    def launch_file(self, package: str, name: str, entities: str) -> Path:
+        """Install a launch file that describes the entities."""
+        path = self.package(package) / name
+        path.write_text(f"{IMPORTS}{entities}\n    ])\n")
+        return path
+
+
+class Running:
+    """A running `ros2` command; stdout and stderr go into `lines` together."""
+
+    def __init__(self, *words: str | Path, environment: dict[str, str], own_group: bool = True) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "course_kit.ros2.command", *map(str, words)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=ROOT,
+            env=os.environ | environment,
+            start_new_session=own_group,
+        )
+        self.lines: list[str] = []
+        self._reads = True
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.lines.append(line.rstrip("\n"))
+            if not self._reads:
+                self.process.stdout.close()
+                return
+
+    def stop_reading(self) -> None:
+        """Close our end of the pipe after the next line, as `head` does."""
+        self._reads = False
+
+    @property
+    def text(self) -> str:
+        return "\n".join(self.lines)
+
+    def wait_for(self, pattern: str, count: int = 1) -> list[str]:
+        """Wait until lines match a pattern; return what its groups matched, or the lines."""
+        wait_until(lambda: len(self._found(pattern)) >= count, f"{pattern!r} in:\n{self.text}", self)
+        return self._found(pattern)
+
+    def _found(self, pattern: str) -> list[str]:
+        matches = [re.search(pattern, line) for line in list(self.lines)]
+        return [m.group(m.re.groups) for m in matches if m]
+
+    def reports(self, count: int = 1) -> list[dict[str, Any]]:
+        """What launched_node.py printed, by the name of the node."""
+        found = self.wait_for(r"^(?:\[\S+\] )?(\{.*\})$", count)
+        return sorted((json.loads(line) for line in found), key=lambda report: str(report["name"]))
+
+    def pids(self, count: int = 1) -> list[int]:
+        """The process ids that the launch told."""
+        return [int(pid) for pid in self.wait_for(r"process started with pid \[(\d+)\]", count)]
+
+    def interrupt(self) -> None:
+        """Ctrl-C: SIGINT to the whole process group."""
+        os.killpg(self.process.pid, signal.SIGINT)
+
+    def end(self) -> int:
+        """Wait for its end; return the exit status."""
+        status = self.process.wait(TIMEOUT)
+        self._reader.join(TIMEOUT)
+        return status
+
+    def __enter__(self) -> Running:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.process.poll() is None:
+            self.interrupt()
+            try:
+                self.process.wait(20)
+            except subprocess.TimeoutExpired:
+                os.killpg(self.process.pid, signal.SIGKILL)
+                self.process.wait()
+
+
+class Terminal:
+    """A `ros2` command in a terminal of its own."""
+
+    def __init__(self, *words: str, environment: dict[str, str]) -> None:
+        self.pid, self._fd = pty.fork()
+        if self.pid == 0:
+            os.chdir(ROOT)
+            os.environ.update(environment)
+            os.execv(sys.executable, [sys.executable, "-m", "course_kit.ros2.command", *words])
+        self.text = ""
+
+    def wait_for(self, text: str, count: int = 1) -> None:
+        """Read until a text came."""
+        deadline = time.monotonic() + TIMEOUT
+        while self.text.count(text) < count:
+            assert time.monotonic() < deadline, f"no {text!r} in {self.text}"
+            if not self._read():
+                raise AssertionError(f"it ended without {text!r}: {self.text}")
+
+    def _read(self) -> bool:
+        if not select.select([self._fd], [], [], 0.1)[0]:
+            return True
+        try:
+            self.text += os.read(self._fd, 65536).decode(errors="replace").replace("\r\n", "\n")
+        except OSError:  # the other end is closed
+            return False
+        return True
+
+    def press_ctrl_c(self) -> None:
+        """Let the terminal interrupt what runs in it."""
+        os.write(self._fd, b"\x03")
+
+    def end(self) -> int:
+        """Read to the end; return the exit status."""
+        deadline = time.monotonic() + TIMEOUT
+        while self._read():
+            assert time.monotonic() < deadline, f"no end of: {self.text}"
+        os.close(self._fd)
+        return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
+
+
+def wait_until(
+    condition: Callable[[], Any], what: str, running: Running | None = None, timeout: float = TIMEOUT
+) -> None:
+    """Wait for a condition; fail with `what` if it does not come true, or if what runs ends without it."""
+    deadline = time.monotonic() + timeout
+    while not condition():
+        if running is not None and running.process.poll() is not None:
+            running._reader.join(5)
+            assert condition(), f"it ended without {what}\n{running.text}"
+            return
+        assert time.monotonic() < deadline, f"no {what}"
+        time.sleep(0.02)
+
+
+def is_alive(pid: int) -> bool:
+    """Whether a process runs; a zombie does not."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+    except OSError:
+        return False
+    return state != "Z"
+
+
+def none_left(pids: Iterable[int]) -> bool:
+    """Whether all these processes have ended."""
+    return not any(is_alive(pid) for pid in pids)

@@ -1,0 +1,322 @@
+"""Bags in notebooks: what is recorded, and what can be read of it, also after a crash."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from course_kit import bag_files, bag_qos, bag_types, bags, context, topics
+from course_kit.bag_read_ahead import ReadAhead
+from course_kit.bag_writer import BagWriter
+from tests.senders import DIGITS, PLACES, Sender
+
+STORAGES = ("mcap", "sqlite3")
+SECOND = 10**9
+TIMEOUT = 20.0
+
+
+def stop_ros() -> Iterator[None]:
+    yield
+    context.stop()
+
+
+clean = pytest.fixture(autouse=True, scope="module")(stop_ros)
+
+
+def wait_for(condition: Any, timeout: float = TIMEOUT) -> None:
+    assert topics.wait_until(condition, timeout), "what was waited for did not come"
+
+
+def made_bag(folder: Path, storage: str = "mcap", count: int = 500, topic_count: int = 2) -> Path:
+    """A bag of numbered strings, one every 10 ms, on topics that take turns."""
+    from rclpy.serialization import serialize_message
+    from std_msgs.msg import String
+
+    writer = BagWriter(folder, storage)
+    names = [f"/topic_{number}" for number in range(topic_count)]
+    for name in names:
+        writer.add_topic(name, "std_msgs/msg/String")
+    for number in range(count):
+        data = serialize_message(String(data=str(number)))
+        writer.write(names[number % topic_count], SECOND + number * 10_000_000, data)
+        if number % 100 == 99:
+            writer.flush()
+    writer.close()
+    return folder
+
+
+def numbers(folder: Path, *names: str) -> list[int]:
+    return [int(message.data) for _, _, message in bags.read(folder, *names)]
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+@pytest.mark.parametrize("kind", ["string", "scan", "pose"])
+def test_every_message_is_recorded_as_it_came(tmp_path: Path, storage: str, kind: str) -> None:
+    count = 300
+    with Sender("/sent", kind, rate=1000, count=count) as sender:
+        with bags.record(tmp_path / "bag", "/sent", storage=storage) as recording:
+            wait_for(lambda: recording.topics == ["/sent"])
+            sender.go()
+            sender.result()
+            wait_for(lambda: recording.message_count == count)
+        assert recording.lost == 0
+    messages = list(bags.read(tmp_path / "bag"))
+    assert len(messages) == count
+    assert {topic for topic, _, _ in messages} == {"/sent"}
+    times = [nanoseconds for _, nanoseconds, _ in messages]
+    assert times == sorted(times)
+    if kind == "string":
+        assert [int(message.data) for _, _, message in messages] == list(range(count))
+    if kind == "pose":
+        assert all(message.x == 1.0 for _, _, message in messages)
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_a_bag_tells_its_types_profiles_and_times(tmp_path: Path, storage: str) -> None:
+    """What Jazzy's `ros2 bag info` reads from metadata.yaml, and what readers without our types need."""
+    from rosbags.highlevel import AnyReader
+
+    with (
+        Sender("/pose", "pose", rate=500, count=20, qos="best_effort") as sender,
+        bags.record(tmp_path / "bag", "/pose", storage=storage) as recording,
+    ):
+        wait_for(lambda: recording.topics)
+        sender.go()
+        sender.result()
+        wait_for(lambda: recording.message_count > 0)
+    told = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    ending = {"mcap": "mcap", "sqlite3": "db3"}[storage]
+    assert told["version"] == 9
+    assert told["storage_identifier"] == storage
+    assert told["relative_file_paths"] == [f"bag_0.{ending}"] == [file["path"] for file in told["files"]]
+    assert told["ros_distro"] == "jazzy"
+    (topic,) = told["topics_with_message_count"]
+    assert topic["message_count"] == told["message_count"] > 0
+    described = topic["topic_metadata"]
+    assert described["type"] == "turtlesim/msg/Pose"
+    assert described["type_description_hash"] == bag_types.type_hash("turtlesim/msg/Pose")
+    assert described["type_description_hash"].startswith("RIHS01_")
+    (profile,) = described["offered_qos_profiles"]
+    assert profile["reliability"] == "best_effort"
+    assert profile["deadline"] == {"sec": 9223372036, "nsec": 854775807}
+    with AnyReader([tmp_path / "bag"]) as reader:  # takes the types from the bag alone
+        _, _, data = next(iter(reader.messages()))
+        assert reader.deserialize(data, "turtlesim/msg/Pose").x == 1.0  # type: ignore[attr-defined]
+    found = bags.info(tmp_path / "bag")
+    assert found.is_complete
+    assert found.message_count == topic["message_count"]
+    assert 0 < found.seconds < 60
+
+
+def test_a_definition_holds_all_types_that_a_type_is_made_of() -> None:
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    text = bag_types.definition("geometry_msgs/msg/TwistStamped")
+    assert text.count(f"\n{'=' * 80}\nMSG: ") == 4
+    assert "MSG: builtin_interfaces/Time\n" in text
+    assert "geometry_msgs/msg/TwistStamped" in get_types_from_msg(
+        text.split(f"\n{'=' * 80}")[0], "geometry_msgs/msg/TwistStamped"
+    )
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for name in ("std_msgs/msg/String", "sensor_msgs/msg/LaserScan", "geometry_msgs/msg/TwistStamped"):
+        assert bag_types.type_hash(name) == store.hash_rihs01(name)
+    assert bag_types.definition("nope/msg/Nope") == bag_types.type_hash("nope/msg/Nope") == ""
+
+
+def test_a_thousand_scans_a_second_are_recorded_without_loss(tmp_path: Path) -> None:
+    count = 2000
+    with Sender("/scan", "scan", rate=1000, count=count) as sender:
+        with bags.record(tmp_path / "bag", "/scan") as recording:
+            wait_for(lambda: recording.topics)
+            sender.go()
+            sender.result()
+            wait_for(lambda: recording.message_count == count, timeout=10)
+        assert recording.lost == 0
+    place = PLACES["scan"]
+    with bag_files.opened(tmp_path / "bag") as bag:
+        found = [int(data[place : place + DIGITS]) for _, _, data in bag.messages(bag.connections)]
+    assert found == list(range(count))
+
+
+def test_a_topic_that_appears_later_is_recorded(tmp_path: Path) -> None:
+    with bags.record(tmp_path / "bag") as recording:
+        assert "/late" not in recording.topics
+        with Sender("/late", "string", rate=500, count=50) as sender:
+            wait_for(lambda: "/late" in recording.topics)
+            sender.go()
+            sender.result()
+            wait_for(lambda: recording.message_count >= 50)
+    assert numbers(tmp_path / "bag", "/late") == list(range(50))
+
+
+def test_a_folder_that_is_there_is_not_overwritten_unless_told(tmp_path: Path) -> None:
+    made_bag(tmp_path / "bag")
+    with pytest.raises(FileExistsError, match=r"Output folder '.*bag' already exists\."):
+        bags.record(tmp_path / "bag")
+    bags.record(tmp_path / "bag", "/nothing", overwrite=True).stop()
+    assert bags.info(tmp_path / "bag").message_count == 0
+    (tmp_path / "work").mkdir()
+    with pytest.raises(FileExistsError):
+        bags.record(tmp_path / "work", overwrite=True)  # no bag: it might be anything
+
+
+def test_two_recordings_at_once_and_a_second_stop(tmp_path: Path) -> None:
+    with Sender("/both", "string", rate=500, count=50) as sender:
+        first, second = bags.record(tmp_path / "one", "/both"), bags.record(tmp_path / "two", "/both")
+        wait_for(lambda: first.topics and second.topics)
+        sender.go()
+        sender.result()
+        wait_for(lambda: first.message_count == second.message_count == 50)
+        first.stop()
+        first.stop()
+        assert second.is_running
+        second.stop()
+    assert numbers(tmp_path / "one") == numbers(tmp_path / "two") == list(range(50))
+
+
+def test_reading_gives_the_topics_asked_for_and_names_those_that_are_not_there(tmp_path: Path) -> None:
+    bag = made_bag(tmp_path / "bag", count=10)
+    assert numbers(bag) == list(range(10))
+    assert numbers(bag, "/topic_1") == [1, 3, 5, 7, 9]
+    with pytest.raises(bags.BagError, match=r"has no topic /nope\. It has: /topic_0, /topic_1\."):
+        numbers(bag, "/nope")
+    with pytest.raises(bags.BagError, match="does not exist"):
+        numbers(tmp_path / "nope")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(bags.BagError, match="holds no bag"):
+        bags.info(tmp_path / "empty")
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_large_bags_are_split(tmp_path: Path, storage: str) -> None:
+    writer = BagWriter(tmp_path / "bag", storage, max_seconds=1)
+    writer.add_topic("/a", "std_msgs/msg/String")
+    from rclpy.serialization import serialize_message
+    from std_msgs.msg import String
+
+    for number in range(35):
+        writer.write("/a", SECOND + number * SECOND // 10, serialize_message(String(data=str(number))))
+    writer.close()
+    found = bags.info(tmp_path / "bag")
+    assert [Path(name).stem for name in found.files] == ["bag_0", "bag_1", "bag_2", "bag_3"]
+    assert numbers(tmp_path / "bag") == list(range(35))
+    (tmp_path / "bag/metadata.yaml").unlink()
+    assert bags.reindex(tmp_path / "bag") == {}
+    assert bags.info(tmp_path / "bag") == found
+
+
+def test_a_file_cut_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
+    whole = made_bag(tmp_path / "whole", count=500)
+    data = (whole / "whole_0.mcap").read_bytes()
+    counts = []
+    for length in range(0, len(data), max(1, len(data) // 60)):
+        shutil.rmtree(tmp_path / "cut", ignore_errors=True)
+        (tmp_path / "cut").mkdir()
+        (tmp_path / "cut/cut_0.mcap").write_bytes(data[:length])
+        try:
+            found = numbers(tmp_path / "cut")
+        except bags.BagError:
+            assert length < 100, "only a file without a header is no bag"
+            continue
+        assert found == list(range(len(found)))
+        counts.append(len(found))
+        assert bags.info(tmp_path / "cut").message_count == len(found)
+        bags.reindex(tmp_path / "cut")
+        completed = bags.info(tmp_path / "cut")
+        assert completed.is_complete
+        assert completed.message_count == len(found)
+        assert numbers(tmp_path / "cut") == found
+    assert counts == sorted(counts)
+    assert counts[-1] == 500
+
+
+def test_reindexing_keeps_what_the_bag_told_of_its_topics(tmp_path: Path) -> None:
+    bag = made_bag(tmp_path / "bag")
+    before = yaml.safe_load((bag / "metadata.yaml").read_text())
+    (bag / "metadata.yaml").unlink()
+    data = (bag / "bag_0.mcap").read_bytes()
+    (bag / "bag_0.mcap").write_bytes(data[: -len(data) // 10])
+    assert list(bags.reindex(bag)) == ["bag_0.mcap"]
+    after = yaml.safe_load((bag / "metadata.yaml").read_text())
+    for told in (before, after):
+        for topic in told["rosbag2_bagfile_information"]["topics_with_message_count"]:
+            del topic["message_count"]
+    key = "topics_with_message_count"
+    assert after["rosbag2_bagfile_information"][key] == before["rosbag2_bagfile_information"][key]
+
+
+def test_a_bag_that_is_being_recorded_can_be_looked_into_but_not_reindexed(tmp_path: Path) -> None:
+    with Sender("/now", "string", rate=500, count=50) as sender, bags.record(tmp_path / "bag", "/now") as recording:
+        wait_for(lambda: recording.topics)
+        sender.go()
+        sender.result()
+        wait_for(lambda: (tmp_path / "bag/bag_0.mcap").stat().st_size > 500)
+        wait_for(lambda: bags.info(tmp_path / "bag").message_count == 50)
+        with pytest.raises(bags.BagError, match="is still being recorded"):
+            bags.reindex(tmp_path / "bag")
+    assert numbers(tmp_path / "bag") == list(range(50))
+
+
+def test_playing_publishes_what_was_recorded(tmp_path: Path) -> None:
+    bag = made_bag(tmp_path / "bag", count=40, topic_count=1)
+    with bags.record(tmp_path / "copy", "/topic_0") as recording:
+        played: list[None] = []
+        bags.play(bag, rate=1.0, tick=lambda: played.append(None))  # the recorder finds the topic while it plays
+        wait_for(lambda: recording.topics == ["/topic_0"])
+        assert played
+    with pytest.raises(ValueError, match="rate above 0"):
+        bags.play(bag, rate=0)
+
+
+def test_profiles_come_back_as_they_were_recorded() -> None:
+    from rclpy.duration import Duration
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL, deadline=Duration(seconds=2))
+    offered = bag_qos.to_offer([bag_qos.recorded(latched)] * 2)
+    assert offered.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    assert offered.deadline == Duration(seconds=2)
+    sensor = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    assert bag_qos.to_offer([bag_qos.recorded(sensor)]).reliability == ReliabilityPolicy.BEST_EFFORT
+    mixed = bag_qos.to_offer([bag_qos.recorded(sensor), bag_qos.recorded(latched)])
+    assert mixed.reliability == ReliabilityPolicy.RELIABLE
+    assert mixed.durability == DurabilityPolicy.VOLATILE
+
+
+@pytest.mark.parametrize(
+    ("described", "message"),
+    [
+        ("a", "must map each topic"),
+        ({"/a": {"depth": -1}}, "`depth` may not be a negative value."),
+        ({"/a": {"nope": 1}}, "Unexpected key `nope` for QoS profile."),
+        ({"/a": {"history": "keep_last"}}, "depth"),
+        ({"/a": {"depth": 1, "deadline": {"sec": 1}}}, "both seconds"),
+        ({"/a": {"depth": 1, "reliability": "sometimes"}}, "`sometimes` is no value of `reliability`"),
+    ],
+)
+def test_overrides_that_are_no_profiles_are_named(described: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        bag_qos.overrides(described)
+
+
+def test_overrides_are_profiles() -> None:
+    found = bag_qos.overrides({"/a": {"depth": 5, "reliability": "best_effort", "deadline": {"sec": 1, "nsec": 5}}})
+    assert found["/a"].depth == 5
+    assert found["/a"].deadline.nanoseconds == 1_000_000_005
+
+
+def test_what_reading_ahead_raises_comes_out_where_it_is_read() -> None:
+    def items() -> Iterator[Any]:
+        yield 1
+        raise RuntimeError("broken file")
+
+    ahead = ReadAhead(items(), 10)
+    assert ahead.next(lambda: None) == 1
+    with pytest.raises(RuntimeError, match="broken file"):
+        ahead.next(lambda: None)
+    ahead.close()

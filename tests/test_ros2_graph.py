@@ -1,0 +1,117 @@
+"""Lists of the graph are whole: against 20 nodes in 5 processes, and when nodes come, end or are killed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+from rclpy.serialization import serialize_message
+from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
+
+from course_kit.discovery import entities, participants_listening
+from tests.benchmark.child import Program
+from tests.ros2_command import ros2
+
+DOMAIN = int(os.environ["ROS_DOMAIN_ID"])
+PROCESSES, NODES = 5, 4
+NAMES = [f"/robot_{process}_{node}" for process in range(PROCESSES) for node in range(NODES)]
+PARAMETER_SERVICES = (
+    "describe_parameters",
+    "get_parameter_types",
+    "get_parameters",
+    "get_type_description",
+    "list_parameters",
+    "set_parameters",
+    "set_parameters_atomically",
+)
+RUNS = 5
+
+
+@pytest.fixture(scope="module", autouse=True)
+def twenty_nodes() -> Iterator[None]:
+    with ExitStack() as stack:
+        programs = [
+            stack.enter_context(Program("full_graph", process, NODES, len(NAMES), domain=DOMAIN))
+            for process in range(PROCESSES)
+        ]
+        for program in programs:
+            program.report()
+        yield
+
+
+@pytest.mark.parametrize("run", range(RUNS))
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("node", "list"), NAMES),
+        (("topic", "list"), ["/parameter_events", *(f"{name}/state" for name in NAMES), "/rosout"]),
+        (("action", "list"), [f"{name}/count" for name in NAMES]),
+        (("service", "list"), sorted(f"{n}/{s}" for n in NAMES for s in (*PARAMETER_SERVICES, "reset"))),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) else "",
+)
+def test_a_list_is_whole(words, expected, run):
+    assert ros2(*words).out.splitlines() == expected
+
+
+@pytest.mark.parametrize("run", range(RUNS))
+def test_the_information_about_a_node_is_whole(run):
+    out = ros2("node", "info", NAMES[-1]).out
+    assert f"    {NAMES[-1]}/state: std_msgs/msg/String\n" in out
+    assert f"    {NAMES[-1]}/reset: std_srvs/srv/Trigger\n" in out
+    assert f"    {NAMES[-1]}/count: example_interfaces/action/Fibonacci\n" in out
+    assert sum(f"{service}: " in out for service in PARAMETER_SERVICES) == len(PARAMETER_SERVICES)
+
+
+def test_every_endpoint_of_a_topic_that_all_nodes_share_is_counted():
+    assert f"Publisher count: {len(NAMES) + 1}\n" in ros2("topic", "info", "/rosout").out  # and the command's own
+
+
+def test_a_node_that_came_or_ended_is_in_the_next_list_or_gone():
+    for _ in range(3):
+        with Program("idle_node", domain=DOMAIN) as program:
+            program.report()
+            assert ros2("node", "list").out.splitlines() == ["/idle", *NAMES]
+        assert ros2("node", "list").out.splitlines() == NAMES
+
+
+def test_a_killed_node_is_gone_from_the_next_list():
+    with Program("idle_node", domain=DOMAIN) as program:
+        program.report()
+        os.kill(program.pid, signal.SIGKILL)
+        wait_until(lambda: not os.path.exists(f"/proc/{program.pid}/fd/0"))
+        assert ros2("node", "list").out.splitlines() == NAMES
+
+
+def wait_until(condition, timeout: float = 10.0) -> None:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_participants_are_counted_by_their_pairs_of_ports():
+    first = 7400 + 250 * 3
+    row = "  0: 00000000:{:04X} 00000000:0000 07"
+    ports = [first + 10, first + 11, first + 14, first + 15, first + 16, first + 250 + 10, first + 250 + 11]
+    table = "\n".join(["header", *(row.format(port) for port in ports)])
+    assert participants_listening(3, table) == 2
+
+
+def test_the_endpoints_that_a_participant_announces_are_read_from_its_message():
+    def gid(number: int) -> Gid:
+        return Gid(data=[number] * 16)
+
+    nodes = [
+        NodeEntitiesInfo(node_namespace="/", node_name="a", reader_gid_seq=[gid(1)], writer_gid_seq=[gid(2), gid(3)]),
+        NodeEntitiesInfo(node_namespace="/robot", node_name="lidar", writer_gid_seq=[gid(4)]),
+    ]
+    message = ParticipantEntitiesInfo(gid=gid(9), node_entities_info_seq=nodes)
+    announced = entities(serialize_message(message))
+    assert announced.participant == bytes([9] * 12)
+    assert announced.nodes == (("a", "/"), ("lidar", "/robot"))
+    assert announced.endpoints == {bytes([number] * 16) for number in (1, 2, 3, 4)}

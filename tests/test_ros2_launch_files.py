@@ -1,0 +1,182 @@
+"""`ros2 launch` before anything runs: finding launch files, their arguments, --show-args, --print, errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from course_kit.ros2.line_completion import complete
+from tests.ros2_launches import IMPORTS, Prefix, Running
+
+REAL = "it needs the real `ros2 launch`"
+
+
+@pytest.fixture
+def prefix(tmp_path: Path) -> Prefix:
+    prefix = Prefix(tmp_path / "install")
+    prefix.launch_file(
+        "demo",
+        "demo.launch.py",
+        """
+        DeclareLaunchArgument("speed", default_value=["1", EnvironmentVariable("X", default_value="5")]),
+        DeclareLaunchArgument("mode", default_value="slow", description="How to drive", choices=["slow", "fast"]),
+        GroupAction([DeclareLaunchArgument("where", description="The place.")], condition=IfCondition("false")),
+        LogInfo(msg=["speed ", LaunchConfiguration("speed")]),
+    """,
+    )
+    return prefix
+
+
+def ended(prefix: Prefix, *words: str | Path, status: int = 0) -> list[str]:
+    with Running("launch", *words, environment=prefix.environment) as running:
+        assert running.end() == status, running.text
+        return running.lines
+
+
+def broken(prefix: Prefix, text: str, name: str = "bad.launch.py") -> list[str]:
+    path = prefix.folder / name
+    path.write_text(text)
+    lines = ended(prefix, path, status=1)
+    assert lines[1] == "[INFO] [launch]: Default logging verbosity is set to INFO"
+    return lines[2:]
+
+
+def test_a_file_is_found_by_its_package_or_path(prefix: Prefix) -> None:
+    path = prefix.package("demo") / "demo.launch.py"
+    for words in (("demo", "demo.launch.py", "speed:=2"), (str(path), "speed:=1", "speed:=2")):
+        assert ended(prefix, *words)[2:] == ["[INFO] [launch.user]: speed 2"]
+
+
+def test_arguments_are_shown(prefix: Prefix) -> None:
+    assert ended(prefix, "demo", "demo.launch.py", "--show-args") == [
+        "Arguments (pass arguments as '<name>:=<value>'):",
+        "",
+        "    'speed':",
+        "        no description given",
+        "        (default: '1' + EnvVar('X'))",
+        "",
+        "    'mode':",
+        "        How to drive. Valid choices are: ['slow', 'fast']",
+        "        (default: 'slow')",
+        "",
+        "    'where':*",
+        "        The place.",
+        "",
+        "* argument(s) which are only used if specific conditions occur",
+    ]
+
+
+def test_the_description_is_printed(prefix: Prefix) -> None:
+    lines = ended(prefix, "demo", "demo.launch.py", "-p")
+    assert lines[0].startswith("<launch.launch_description.LaunchDescription object at 0x")
+    assert lines[1].startswith("├── Action('<launch.actions.declare_launch_argument.DeclareLaunchArgument object at 0x")
+    assert lines[-1] == "└── LogInfo('speed ' + LaunchConfig('speed'))"
+
+
+def test_unknown_packages_and_files_are_told(prefix: Prefix) -> None:
+    assert ended(prefix, "dmo", "demo.launch.py", status=1)[0].startswith(
+        "Package 'dmo' not found: \"package 'dmo' not found, searching: ['"
+    )
+    share = prefix.package("demo")
+    assert ended(prefix, "demo", "demo.lunch.py", status=1) == [
+        f"file 'demo.lunch.py' was not found in the share directory of package 'demo' which is at '{share}'",
+        "Did you mean demo.launch.py?",
+    ]
+    assert ended(prefix, "demo", status=1) == ["No launch file supplied", "demo has: demo.launch.py"]
+    assert ended(prefix, "demo", "demo.launch.py", "speed=2", status=1) == [
+        "malformed launch argument 'speed=2', expected format '<name>:=<value>'"
+    ]
+
+
+def test_arguments_are_checked(prefix: Prefix) -> None:
+    lines = ended(prefix, "demo", "demo.launch.py", "mode:=odd", status=1)
+    reason = """Argument "mode" provided value "odd" is not valid. Valid options are: ['slow', 'fast']"""
+    assert lines[-1] == f"[ERROR] [launch]: Caught exception in launch (see debug for traceback): {reason}"
+    prefix.launch_file("demo", "needy.launch.py", 'DeclareLaunchArgument("name", description="whose")')
+    assert ended(prefix, "demo", "needy.launch.py", status=1)[-1] == (
+        "[ERROR] [launch]: Caught exception in launch (see debug for traceback): Included launch description missing "
+        "required argument 'name' (description: 'whose'), given: []"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("from launch.actions import ForLoop", "launch.actions.ForLoop"),
+        ("from launch_ros.actions import LifecycleNode", "launch_ros.actions.LifecycleNode"),
+        ("from launch_ros.descriptions import ComposableNode", "launch_ros.descriptions.ComposableNode"),
+        ("import launch.frontend", "launch.frontend"),
+        ("import launch\nlaunch.actions.ForLoop()", "launch.actions.ForLoop"),
+        ("from launch_xml.launch_description_sources import XMLLaunchDescriptionSource", "launch_xml"),
+        (IMPORTS + "Node(executable='x', sigfoo=1)])", "Node does not know the argument 'sigfoo'"),
+    ],
+)
+def test_what_needs_the_real_launch_is_named_in_one_line(prefix: Prefix, text: str, name: str) -> None:
+    (line,) = broken(prefix, text)
+    assert line.startswith(f"[ERROR] [launch]: Caught exception in launch (see debug for traceback): {name} ")
+    assert "needs the real `ros2 launch`" in line
+
+
+def test_tab_offers_packages_and_launch_files(prefix: Prefix, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AMENT_PREFIX_PATH", prefix.environment["AMENT_PREFIX_PATH"])
+    monkeypatch.chdir(prefix.package("demo"))
+    assert complete("launch demo d") == ["demo.launch.py"]
+    assert complete("launch dem") == ["demo", "demo.launch.py"]
+
+
+def test_a_slip_of_the_pen_gets_a_suggestion(prefix: Prefix) -> None:
+    (line,) = broken(prefix, "from launch.actions import DeclareLaunchArgumnet")
+    assert "did you mean DeclareLaunchArgument?" in line
+
+
+@pytest.mark.parametrize("name", ["a.launch.xml", "b.launch.yaml"])
+def test_other_formats_need_the_real_launch(prefix: Prefix, name: str) -> None:
+    (line,) = broken(prefix, "<launch/>", name)
+    assert name in line
+    assert REAL in line
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("nonsense", "NameError: name 'nonsense' is not defined"),
+        ("x = 1", "does not contain the required function 'generate_launch_description()'"),
+        ("def generate_launch_description(): pass", "generate_launch_description() returned NoneType"),
+        ("import not_there", "ModuleNotFoundError: No module named 'not_there'"),
+    ],
+)
+def test_a_broken_file_is_told_as_the_real_one_tells_it(prefix: Prefix, text: str, reason: str) -> None:
+    lines = broken(prefix, text)
+    assert lines[0].endswith("Caught multiple exceptions when trying to load file of format [py]:")
+    assert reason in lines[1]
+    assert lines[2] == (
+        " - InvalidFrontendLaunchFileError: The launch file may have a syntax error, or its format is unknown"
+    )
+
+
+@pytest.mark.parametrize(
+    ("entity", "reason"),
+    [
+        ('LogInfo(msg=LaunchConfiguration("nope"))', "launch configuration 'nope' does not exist"),
+        ('LogInfo(msg=EnvironmentVariable("NOPE"))', "environment variable 'NOPE' does not exist"),
+        ('LogInfo(msg="", condition=IfCondition("perhaps"))', "expected one of 'true', '1', 'false', or '0'"),
+        ('LogInfo(msg=Command("false"))', "executed command failed. Command: false"),
+        ('Node(package="nope", executable="x")', "\"package 'nope' not found, searching: ["),
+        ('Node(package="demo", executable="x")', "executable 'x' not found on the libexec directory '"),
+        ('Node(executable="true", name="a b")', "Invalid node name"),
+        ('Node(executable="true", parameters=[{"a": [1, "b"]}])', "Expected a non-empty sequence"),
+    ],
+)
+def test_what_fails_while_it_runs_is_one_line(prefix: Prefix, entity: str, reason: str) -> None:
+    lines = broken(prefix, f"{IMPORTS}{entity}])")
+    assert reason in lines[-1 if "Invalid" not in reason else 1]
+    assert not any("Traceback" in line for line in lines)
+
+
+def test_debug_shows_the_traceback(prefix: Prefix) -> None:
+    path = prefix.folder / "bad.launch.py"
+    path.write_text("def generate_launch_description():\n    nonsense\n")
+    lines = ended(prefix, path, "-d", status=1)
+    assert "[INFO] [launch]: Default logging verbosity is set to DEBUG" in lines
+    assert f'  File "{path}", line 2, in generate_launch_description' in lines
