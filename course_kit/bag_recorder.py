@@ -141,6 +141,11 @@ class Recorder:
         return list(self._subscriptions)
 
     @property
+    def is_matched(self) -> bool:
+        """Whether every topic that is subscribed to has at least one publisher connected."""
+        return all(subscription.publisher_count for subscription in self._subscriptions.values())
+
+    @property
     def lost(self) -> int:
         """Messages that the middleware could not deliver."""
         return sum(subscription.lost for subscription in self._subscriptions.values())

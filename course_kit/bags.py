@@ -22,6 +22,8 @@ from course_kit.bag_files import BagInfo, BagTopic, info, opened, storage_files
 from course_kit.bag_repair import reindex
 from course_kit.bag_storage import BagError
 
+MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be connected
+
 __all__ = ["BagError", "BagInfo", "BagRecording", "BagTopic", "info", "play", "read", "record", "reindex"]
 
 
@@ -91,6 +93,7 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
     recorder = Recorder(BagWriter(folder, storage), selection)
     try:
         recorder.start()
+        topics.wait_until(lambda: recorder.is_matched, MATCH_TIMEOUT)
     except BaseException:
         recorder.stop()
         raise
@@ -117,7 +120,7 @@ def read(path: str | os.PathLike[str], *names: str) -> Iterator[tuple[str, int, 
 
 def play(path: str | os.PathLike[str], *names: str, rate: float = 1.0, tick: Callable[[], None] | None = None) -> None:
     """Publish the messages of a bag as they were recorded, `rate` times as fast; returns when the last one is out."""
-    from course_kit.bag_player import MATCH_TIMEOUT, Player, PlayOptions
+    from course_kit.bag_player import Player, PlayOptions
 
     if rate <= 0:
         raise ValueError(f"a bag plays at a rate above 0, not {rate:g}")

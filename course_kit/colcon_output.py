@@ -9,7 +9,11 @@ from dataclasses import dataclass, field
 # What a package that was built wrote to stderr is shown up to so many lines: warnings, mostly.
 SHOWN_WARNINGS = 10
 SHOWN_REASONS = 8
-_DONE = re.compile(r"(Finished|Failed|Aborted)\s+<<< (\S+) \[(?:([\d.]+)s|(?:(\d+)min )?([\d.]+)s)(?:, (.*))?\]")
+_STARTED = re.compile(r"Starting >>> (\S+)")
+_DONE = re.compile(r"(Finished|Failed|Aborted)\s+<<< (\S+) \[(?:(\d+)min )?([\d.]+)s(?:, (.*))?\]")
+_LOG = re.compile(r"\[[\d.]+s\] |\s*$")
+# What colcon says about its own way of reading setup.py, after what setup.py itself has said.
+_NOISE = re.compile(r"Command '\[|subprocess\.CalledProcessError")
 _BLOCK = re.compile(r"--- stderr: (\S+)")
 
 _COMPILER = re.compile(r"(fatal )?error: |undefined reference to |ld: cannot find |multiple definition of ")
@@ -29,9 +33,12 @@ ADVICE = (
     (r"Python\.h|Python3_INCLUDE_DIR|Development", "Python's headers are missing: sudo apt-get install -y python3-dev"),
     (r"package directory '(\S+)' does not exist", "setup.py lists the package {0}, but src has no folder of that name"),
     (r"can't copy '(\S+)'", "data_files in setup.py names {0}, which is not there"),
-    (r"error in \S+ setup command", "an argument of setup() in setup.py has a wrong form"),
+    (
+        r"error in \S+ setup command|setup\(\)' was never called",
+        "an argument of setup() in setup.py has a wrong form; entry points are 'name = package.module:function'",
+    ),
     (r"([\w./]+\.hp?p?): No such file", "the compiler finds no {0}: does CMakeLists.txt name the package it is from?"),
-    (r"File .*setup\.py", "setup.py itself is wrong: read the line that is named"),
+    (r'File "<string>"', "setup.py itself is wrong: read the line that is named"),
     (r"No rule to make target|Cannot find source file", "CMakeLists.txt names a file that is not there"),
     (
         r"rosidl_adapter|rosidl_parser|\.msg|\.srv|\.action",
@@ -47,63 +54,84 @@ class BuildOutput:
     lines: list[str] = field(default_factory=list)
     finished: dict[str, float] = field(default_factory=dict)  # package -> seconds
     failed: dict[str, str] = field(default_factory=dict)  # package -> how, as "exited with code 1"
-    stderr: dict[str, list[str]] = field(default_factory=dict)  # package -> its lines
-    _block: str = ""
-    _waiting: set[str] = field(default_factory=set)
+    messages: dict[str, list[str]] = field(default_factory=dict)  # package -> what its tools said
+    _block: str = ""  # the package whose stderr is being listed
+    _unfinished: set[str] = field(default_factory=set)
+    _loose: list[str] = field(default_factory=list)  # written past colcon by a package that is not known yet
+    _loose_of: dict[str, list[str]] = field(default_factory=dict)
 
     def feed(self, line: str) -> list[str]:
         """Take a line; return the lines to show now: a package's messages come with its end, if it was built."""
         self.lines.append(line)
         if self._block:
-            if line == "---":
-                self._block = ""
-            else:
-                self.stderr[self._block].append(line)
+            self._in_block(line)
             return []
         block = _BLOCK.fullmatch(line)
         if block:
             self._block = block[1]
-            self.stderr.setdefault(block[1], [])
-            self._waiting.add(block[1])
+            self.messages.setdefault(block[1], [])
             return []
-        done = _DONE.match(line)
-        return [line] if done is None else self._end(done, line)
+        if started := _STARTED.fullmatch(line):
+            self._unfinished.add(started[1])
+            return [line]
+        if done := _DONE.match(line):
+            return self._end(done, line)
+        if self._unfinished and not _LOG.match(line):
+            self._loose.append(line)
+            return []
+        return [] if _NOISE.match(line) else [line]
+
+    def _in_block(self, line: str) -> None:
+        if line == "---":
+            self._block = ""
+        else:
+            self.messages[self._block].append(line)
 
     def _end(self, done: re.Match[str], line: str) -> list[str]:
-        word, package, seconds, minutes, rest, how = done.groups()
+        word, package, minutes, seconds, how = done.groups()
+        self._unfinished.discard(package)
+        self._loose_of[package], self._loose = self._loose, []
+        messages = self.messages[package] = [*self._loose_of[package], *self.messages.get(package, [])]
         if word == "Finished":
-            self.finished[package] = float(seconds or rest) + 60 * int(minutes or 0)
-            return [*self._warnings(package), line]
+            self.finished[package] = float(seconds) + 60 * int(minutes or 0)
+            return [*_warnings(package, messages), line]
         if word == "Failed":
             self.failed[package] = how or "failed"
         return [line]
 
-    def _warnings(self, package: str) -> list[str]:
-        if package not in self._waiting:
-            return []
-        self._waiting.discard(package)
-        lines = [line for line in self.stderr[package] if line.strip()]
-        more = [f"  ... {len(lines) - SHOWN_WARNINGS} lines more"] if len(lines) > SHOWN_WARNINGS else []
-        return [f"{package} was built, and said:", *(f"  {line}" for line in lines[:SHOWN_WARNINGS]), *more]
+    def read_log(self, package: str, lines: Sequence[str]) -> None:
+        """Take the log of a package, which has more than the console: ninja tells compiler errors on stdout."""
+        if lines:
+            self.messages[package] = [*self._loose_of.get(package, []), *lines]
 
     def explanation(self) -> str:
         """The few lines that matter of a failed build: which package, what the tools say, what to do."""
         parts = []
         for package, how in self.failed.items():
-            messages = self.stderr.get(package, [])
+            messages = self.messages.get(package, [])
             parts += [f"✘ {package} was not built ({how})", *(f"    {line}" for line in reasons(messages))]
             what_to_do = advice(messages)
             parts += [f"  to do: {what_to_do}"] if what_to_do else []
             parts += [f"  all of it: log/latest_build/{package}/stdout_stderr.log"]
-        return "\n".join(parts or ["✘ colcon build failed", *(f"    {line}" for line in self._last_words())])
+        return "\n".join(parts or ["✘ colcon build did not start", *(f"    {line}" for line in self._last_words())])
 
     def _last_words(self) -> list[str]:
         errors = [line for line in self.lines if re.search(r"\berror\b", line, re.IGNORECASE)]
         return (errors or [line for line in self.lines if line.strip()])[-3:]
 
 
+def _warnings(package: str, messages: Sequence[str]) -> list[str]:
+    """What a package that was built had to say."""
+    lines = [f"  {line}" for line in messages if line.strip()]
+    if not lines:
+        return []
+    more = [f"  ... {len(lines) - SHOWN_WARNINGS} lines more"] if len(lines) > SHOWN_WARNINGS else []
+    return [f"{package} was built, and said:", *lines[:SHOWN_WARNINGS], *more]
+
+
 def reasons(lines: Sequence[str]) -> list[str]:
-    """Of all that a failed package wrote to stderr, the lines that say why."""
+    """Of all that the tools of a failed package said, the lines that say why."""
+    lines = [line.replace('"<string>"', '"setup.py"') for line in lines if not _NOISE.match(line)]
     for pattern, cut in ((_COMPILER_LINE, _compiler_lines), (_CMAKE, _cmake_lines), (_PYTHON, _python_lines)):
         if any(pattern.match(line) for line in lines):
             return cut(lines)[:SHOWN_REASONS]

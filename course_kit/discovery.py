@@ -22,7 +22,7 @@ from course_kit.rmw_subscription import SerializedSubscription
 from course_kit.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
-REST = 1.25  # seconds without news after which no more is expected: lost discovery messages are repeated each second
+REST = 2.5  # seconds without news after which no more is expected: lost messages are repeated each second
 TAKE_PERIOD = 1.0  # seconds between two looks at the messages of a process that stays
 TOPIC = "ros_discovery_info"
 DEPTH = 1000
@@ -128,9 +128,11 @@ class Discovery:
         deadline = time.monotonic() + timeout
         state, changed = None, time.monotonic()
         while not self.is_whole():
-            now = time.monotonic()
-            if self._state() != state:
-                state, changed = self._state(), now
+            node, now = self._node(), time.monotonic()
+            if node is None:
+                return False
+            if (new := self._state(node)) != state:
+                state, changed = new, now
             if now >= min(deadline, changed + REST):
                 return False
             time.sleep(POLL)
@@ -174,8 +176,8 @@ class Discovery:
                 return True
         return False
 
-    def _state(self) -> tuple[int, int]:
-        return len(self._announced), len(self._found)
+    def _state(self, node: Node) -> tuple[int, int, int]:
+        return len(self._participants(node)), len(self._announced), len(self._found)
 
 
 def forget(node: Node) -> None:

@@ -26,7 +26,7 @@ class BuildError(RuntimeError):
     """A build that failed; its text says which package and why. Notebooks show no traceback for it."""
 
     def __init__(self, build: Build) -> None:
-        super().__init__(f"colcon build failed\n{build.explanation}")
+        super().__init__(build.explanation)
         self.build = build
 
     def _render_traceback_(self) -> list[str]:
@@ -104,6 +104,8 @@ class Workspace:
         begun = time.monotonic()
         process = processes.run_through(("colcon", "build", *arguments), self._unsourced(), self.folder, show)
         status = process.wait(processes.KILL_TIMEOUT)
+        for package in output.failed:
+            output.read_log(package, self._log(package))
         explanation = output.explanation() if status else ""
         seconds = time.monotonic() - begun
         build = Build(arguments, status, output.finished, output.failed, output.lines, explanation, seconds)
@@ -114,6 +116,11 @@ class Workspace:
         elif not build.finished:
             print(f"Nothing was built. Packages in {self.src}: {', '.join(self.packages) or 'none'}.")
         return build
+
+    def _log(self, package: str) -> list[str]:
+        """All that the tools of a package said in the last build."""
+        path = self.folder / "log/latest_build" / package / "stdout_stderr.log"
+        return path.read_text(errors="replace").splitlines() if path.is_file() else []
 
     @property
     def environment(self) -> dict[str, str]:

@@ -59,7 +59,7 @@ class Sender:
         self._process.stdin.flush()
 
     def result(self) -> dict[str, Any]:
-        """Wait for the last message to be sent: {'sent': messages, 'rate': Hz as really sent, 'size': bytes of each}."""
+        """Wait for the last message to be sent: {'sent': messages, 'rate': Hz really sent, 'size': bytes of each}."""
         result: dict[str, Any] = json.loads(self._read())
         return result
 

@@ -58,6 +58,11 @@ def has_ros_wheels(prefix: str) -> bool:
     return Path(prefix, "share/ament_index/resource_index/packages/rclpy").exists()
 
 
+def _has_command(name: str, environ: Mapping[str, str]) -> bool:
+    """shutil.which() without importing shutil, which takes a tenth of Python's start."""
+    return any(os.access(os.path.join(entry, name), os.X_OK) for entry in split_paths(environ.get("PATH", "")))
+
+
 def user_domain(uid: int) -> int:
     """A domain for each user of a machine: 1 to 100, never everybody's default of 0."""
     return 1 + uid % 100
@@ -72,7 +77,8 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
             others = [entry for entry in split_paths(environ.get(name, "")) if entry != prefix]
             environ[name] = os.pathsep.join([*others, prefix])
         environ.setdefault("CMAKE_TOOLCHAIN_FILE", os.path.join(prefix, TOOLCHAIN))
-        environ.setdefault("CMAKE_GENERATOR", "Ninja")  # from the wheel `ninja`; make may be missing
+        if not _has_command("make", environ):
+            environ.setdefault("CMAKE_GENERATOR", "Ninja")  # the wheel `ninja` is installed too
         # A process started from another Python environment with ROS wheels has only that one's libraries.
         if os.path.join(prefix, "lib") not in split_paths(environ.get("LD_LIBRARY_PATH", "")):
             environ.pop(RESTARTED, None)

@@ -1,6 +1,6 @@
 """What a shell has to export to be in the course's environment: printed for `eval`, by local_setup.sh.
 
-    python -m course_kit.environment.exports
+python -m course_kit.environment.exports
 """
 
 from __future__ import annotations

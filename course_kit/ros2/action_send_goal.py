@@ -6,8 +6,7 @@ import signal
 import sys
 import time
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from queue import SimpleQueue
 from types import FrameType
 from typing import Any
@@ -101,12 +100,11 @@ class _Goal:
             say("Goal was rejected.")
             return
         coming = handle.get_result_async()
-        try:
+        with _Interrupt() as interrupt:
             self._is_accepted = True
             say(f"Goal accepted with ID: {bytes(handle.goal_id.uuid).hex()}\n")
-            result = self._outcome(coming, "getting result")
-        except KeyboardInterrupt:
-            with _one_interrupt():
+            result = self._outcome(coming, "getting result", interrupt.has_come)
+            if result is None:
                 self._cancel(handle)
                 result = self._outcome(coming, "getting result")
         say(f"Result:\n    {to_yaml(result.result)}")
@@ -123,14 +121,19 @@ class _Goal:
             raise CommandError("Canceled goal with incorrect goal ID")
         self._session.print("Goal canceled.")
 
-    def _outcome(self, future: Any, doing: str) -> Any:
-        """What a future brings, with the feedback that comes meanwhile. CommandError if the server ends before."""
+    def _outcome(self, future: Any, doing: str, stops: Callable[[], bool] = lambda: False) -> Any:
+        """What a future brings, with the feedback that comes meanwhile; None if it stops before.
+
+        Raises CommandError if the server ends before.
+        """
         is_over = self._watch(future)
-        while not is_over():
-            self._session.until(lambda: is_over() or self._has_feedback(), poll=0.005)
+        while not is_over() and not stops():
+            self._session.until(lambda: is_over() or stops() or self._has_feedback(), poll=0.005)
             self._print_feedback()
         self._print_feedback()
         if not future.done():
+            if stops():
+                return None
             raise CommandError(f"Exception while {doing}: the server of '{self._action}' ended")
         if future.exception() is not None:
             raise CommandError(f"Exception while {doing}: {future.exception()!r}")
@@ -158,20 +161,27 @@ class _Goal:
             self._session.print(f"Feedback:\n    {to_yaml(self._feedback.get().feedback)}")
 
 
-@contextmanager
-def _one_interrupt() -> Iterator[None]:
-    """Take an interrupt that follows at once for the same one; a later one counts."""
-    began = time.monotonic()
+class _Interrupt:
+    """Notes the first interrupt while the block runs; a later one is raised, unless it is the same once more."""
 
-    def interrupt_again(number: int, frame: FrameType | None) -> None:
-        if time.monotonic() - began > SAME_INTERRUPT:
+    def __init__(self) -> None:
+        self._came: float | None = None
+
+    def has_come(self) -> bool:
+        return self._came is not None
+
+    def _note(self, number: int, frame: FrameType | None) -> None:
+        if self._came is None:
+            self._came = time.monotonic()
+        elif time.monotonic() - self._came > SAME_INTERRUPT:
             raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, interrupt_again)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    def __enter__(self) -> _Interrupt:
+        self._before = signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        signal.signal(signal.SIGINT, self._before)
 
 
 SEND_GOAL = Verb("Send an action goal", _run, _arguments)

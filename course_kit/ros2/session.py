@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 POLL = 0.01  # seconds between two looks at a condition
-WHOLE_TIMEOUT = 3.0  # seconds given to the graph to become known; a graph at rest takes a tenth of one
+WHOLE_TIMEOUT = 6.0  # seconds given to the graph to become known; a graph at rest takes a tenth of one
 
 
 class DurationOver(Exception):  # noqa: N818 - it is no error

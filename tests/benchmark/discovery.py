@@ -24,7 +24,7 @@ DEPTH = 100
 NOTE = (
     "discovery: a warm talker publishes at 100 Hz in a plain rclpy process, a fresh process makes a listener; seconds "
     "from its node created to its first callback. 2 nodes: 2 processes; 20 nodes: in 5 processes, and the fresh one. "
-    f"Throughput: a process publishes serialised messages, another one counts them (reliable, depth {DEPTH}): {CEILING}."
+    f"Throughput: a process publishes serialised messages, another counts them (reliable, depth {DEPTH}): {CEILING}."
 )
 LIMIT = 0.5  # s
 SYSTEMS = {2: [(0, 1)], 20: [(process, 4) for process in range(5)]}

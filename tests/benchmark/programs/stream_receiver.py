@@ -18,7 +18,6 @@ from rclpy.task import Future
 from tests.benchmark.programs import messages
 from tests.benchmark.programs.reporting import report
 
-
 QUIET = 0.2  # s without a message, after which none is under way
 
 
