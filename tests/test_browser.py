@@ -118,6 +118,13 @@ def test_a_terminal_of_the_lab_has_ros_without_sourcing(lab, tmp_path):
     until(lab, lambda: written.exists() and written.read_text().count("\n") == 2, timeout=30)
     expected_range = os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]
     assert written.read_text().splitlines() == [sys.prefix, expected_range]
+    # Tab completes the command, its verb and its option; the answer is the command's.
+    lab.page.keyboard.type("ros2 inter\t")
+    lab.page.wait_for_timeout(1500)  # the completion runs; nothing but the screen would show its end
+    lab.page.keyboard.type("sho\t")
+    lab.page.wait_for_timeout(1500)
+    lab.page.keyboard.type(f'example_interfaces/srv/AddTwoInts > "{written}"\n')
+    until(lab, lambda: written.read_text() == "int64 a\nint64 b\n---\nint64 sum\n", timeout=30)
 
 
 def test_nothing_was_asked_of_the_network(lab):
