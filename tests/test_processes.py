@@ -166,7 +166,7 @@ def kernel() -> Iterator[Kernel]:
 def family(kernel: Kernel) -> list[int]:
     cell = kernel.run(
         "p = start([sys.executable, '-c', FAMILY], name='family'); wait_for(lambda: p.says('family'), timeout=20);"
-        "print(p.lines[0])"
+        "print('\\n' + p.lines[0])"
     )
     line = next(line for line in kernel.text(cell).splitlines() if line.startswith("family"))
     return [int(pid) for pid in line.split()[1:]]

@@ -483,7 +483,7 @@ def test_keys_pause_a_bag_that_plays_and_step_through_it(tmp_path: Path) -> None
     assert received.numbers[:4] == [0, 1, 2, 3]
 
 
-def test_recording_in_a_notebook_ends_with_its_duration_and_leaves_the_context_alive(tmp_path: Path) -> None:
+def test_recording_in_a_notebook_ends_with_its_duration_or_an_interrupt(tmp_path: Path) -> None:
     kernel = Kernel()
     try:
         with Sender("/sent", "string", rate=100, count=1000) as sender:
@@ -495,10 +495,16 @@ def test_recording_in_a_notebook_ends_with_its_duration_and_leaves_the_context_a
         assert "[rosbag2_recorder]: Subscribed to topic '/sent'" in text
         assert text.splitlines()[-1].endswith("[rosbag2_recorder]: Recording stopped")
         assert "Count: " in kernel.text(kernel.run(f"%ros2 bag info {tmp_path}/bag", timeout=60))
+        cell = kernel.send(f"%ros2 bag record -o {tmp_path}/second -a")
+        kernel.until(lambda: "Recording..." in kernel.text(cell), TIMEOUT)
+        kernel.manager.interrupt_kernel()
+        kernel.finish(cell)
+        assert not [m for m in kernel.of(cell) if m["msg_type"] == "error"]
         assert kernel.text(kernel.run("import rclpy; print(rclpy.ok())", timeout=60)).strip() == "True"
     finally:
         kernel.close()
     assert bags.info(tmp_path / "bag").message_count > 50
+    assert bags.info(tmp_path / "second").is_complete
 
 
 def test_info_is_printed_as_jazzy_prints_it(monkeypatch: pytest.MonkeyPatch) -> None:

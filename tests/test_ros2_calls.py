@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import re
+import signal
+import threading
+import time
 from collections.abc import Iterator
 
 import pytest
+import rclpy
 
+from course_kit.ros2.command import run
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 
@@ -66,7 +71,7 @@ def test_calls_are_repeated_until_an_interrupt():
         call.interrupt()
         outcome = call.end()
     assert (outcome.err, outcome.status) == ("", INTERRUPTED)
-    assert without_wait(outcome.out).startswith(request(1, 0) * 5)
+    assert without_wait(outcome.out).startswith(request(1, 0) * 4)
 
 
 @pytest.mark.parametrize(
@@ -217,3 +222,43 @@ def test_what_is_no_goal_is_said_in_a_line(words, error):
     assert (outcome.out, outcome.status) == ("", 1)
     assert first == error or (error is None and first.startswith("The passed value is not valid YAML: "))
     assert all(line.startswith("Did you mean ") for line in more)
+
+
+# In a kernel -------------------------------------------------------------------------------------------------------
+
+
+def in_kernel(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[str, int]:
+    """What a command line prints in a process that goes on, and its exit status."""
+    status = run(words, in_notebook=True)
+    return capsys.readouterr().out, status
+
+
+def test_calls_and_goals_work_again_and_again_in_one_process(capsys):
+    for number in range(3):
+        out, status = in_kernel(capsys, "service", "call", "/add_two_ints", ADD, f"{{a: {number}}}")
+        assert (without_wait(out), status) == (request(number, 0), 0)
+        out, status = in_kernel(capsys, "action", "send_goal", "/fibonacci", FIBONACCI, "{order: 2}", "-f")
+        assert out.endswith(f"Result:\n    {sequence(0, 1, 1)}Goal finished with status: SUCCEEDED\n")
+        assert status == 0
+    assert rclpy.ok()
+
+
+def test_an_interrupt_of_a_cell_cancels_its_goal(capsys):
+    handler = signal.getsignal(signal.SIGINT)
+    out: list[str] = []
+
+    def interrupt_when_accepted() -> None:
+        while "Goal accepted" not in "".join(out):
+            out.append(capsys.readouterr().out)
+            time.sleep(0.01)
+        signal.raise_signal(signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt_when_accepted)
+    thread.start()
+    status = run(("action", "send_goal", "/endless", FIBONACCI), in_notebook=True)
+    thread.join()
+    text = "".join(out) + capsys.readouterr().out
+    assert text.endswith(f"Goal canceled.\nResult:\n    {sequence(7)}Goal finished with status: CANCELED\n")
+    assert status == 0
+    assert signal.getsignal(signal.SIGINT) is handler
+    assert rclpy.ok()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Iterator
 
 import pytest
+import rclpy
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -14,7 +16,9 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
+from course_kit import instruments
 from course_kit.ros2 import topic_endpoints
+from course_kit.ros2.command import run
 from course_kit.ros2.message_yaml import Shown
 from course_kit.ros2.topic_echo_text import expression, lost_text, message_text, selector
 from course_kit.ros2.verbs import CommandError
@@ -280,6 +284,32 @@ def test_what_pub_cannot_do_is_said_in_a_line(words, error):
     outcome = ros2("topic", "pub", "/numbers", *words)
     assert (outcome.out, outcome.err.splitlines()[0], outcome.status) == ("", error, 1)
     assert all(line.startswith("Did you mean ") for line in outcome.err.splitlines()[1:])
+
+
+# In a kernel -------------------------------------------------------------------------------------------------------
+
+
+def test_echo_and_pub_leave_a_process_that_goes_on_as_it_was(capsys):
+    own = instruments.node()
+    before = len(list(own.publishers)), len(list(own.clients)), len(list(own.subscriptions))
+    for number in range(3):
+        assert run(("topic", "echo", "/chatter", "--once"), in_notebook=True) == 0
+        assert run(("topic", "echo", "/chatter", "--duration", "1.5", "--qos-depth", "5"), in_notebook=True) == 0
+        assert (
+            run(("topic", "pub", "-t", "2", "-r", "50", "-w", "0", "/n", "std_msgs/msg/Int32"), in_notebook=True) == 0
+        )
+        out = capsys.readouterr().out
+        assert out.count("data: 'Hello ROS2: ") > 1, number
+        assert out.endswith("publishing #2: std_msgs.msg.Int32(data=0)\n\n")
+    wait_until(lambda: (len(list(own.publishers)), len(list(own.clients)), len(list(own.subscriptions))) == before)
+    assert rclpy.ok()
+
+
+def wait_until(condition, timeout: float = 10.0) -> None:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
 
 
 # Without ROS's graph -----------------------------------------------------------------------------------------------
