@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import os
+import tempfile
 from pathlib import Path
+from typing import Any
 
 from course_kit.bag_files import METADATA, is_being_recorded, opened, storage_files
 from course_kit.bag_storage import BagError, channel_words, open_storage
@@ -49,29 +51,32 @@ def _complete(file: Path) -> int | None:
     with contextlib.closing(reader):
         if was_closed:
             return None
-        if file.suffix == ".db3":  # opening it has undone what was half written
-            return int(reader.metadata.message_count)
-        draft = file.with_name(f"{file.name}.part")
-        draft.unlink(missing_ok=True)
-        copy = McapFile(draft)
-        try:
-            known: set[str] = set()
-            for connection in reader.connections:
-                if connection.msgtype not in known:
-                    copy.add_msgtype(connection)
-                    known.add(connection.msgtype)
-                words = channel_words(reader, connection.id)
-                copy.add_connection(connection, words.get("offered_qos_profiles", ""))
-            for connection, nanoseconds, data in reader.messages(reader.connections):
-                copy.write(connection, nanoseconds, data)
-            span = reader.metadata
-            span_of_file = (file.name, span.start_time, max(0, span.duration - 1), span.message_count)
-            topics = [(connection, connection.msgcount) for connection in reader.connections]
-            copy.close(VERSION, as_yaml(metadata_of("mcap", [span_of_file], topics)))
-        except BaseException:
-            copy.abort()
-            draft.unlink(missing_ok=True)
-            raise
         count = int(reader.metadata.message_count)
-    draft.replace(file)
-    return count
+        if file.suffix == ".mcap":  # an sqlite3 file is whole once opening it has undone what was half written
+            with tempfile.TemporaryDirectory(dir=file.parent, prefix=".reindex") as folder:
+                draft = Path(folder, file.name)
+                _copy(reader, draft)
+                draft.replace(file)
+        return count
+
+
+def _copy(reader: Any, file: Path) -> None:
+    """Write what an open storage file holds into a new mcap file."""
+    copy = McapFile(file)
+    try:
+        known: set[str] = set()
+        for connection in reader.connections:
+            if connection.msgtype not in known:
+                copy.add_msgtype(connection)
+                known.add(connection.msgtype)
+            copy.add_connection(connection, channel_words(reader, connection.id).get("offered_qos_profiles", ""))
+        for connection, nanoseconds, data in reader.messages(reader.connections):
+            copy.write(connection, nanoseconds, data)
+        span = reader.metadata
+        span_of_file = (file.name, span.start_time, max(0, span.duration - 1), span.message_count)
+        topics = [(connection, connection.msgcount) for connection in reader.connections]
+        copy.close(VERSION, as_yaml(metadata_of("mcap", [span_of_file], topics)))
+    except BaseException:
+        with contextlib.suppress(Exception):
+            copy.abort()
+        raise

@@ -130,6 +130,12 @@ def running() -> list[Process]:
         return [process for process in _processes.values() if process.is_running]
 
 
+def failed() -> list[Process]:
+    """Those that have failed, of the same."""
+    with _lock:
+        return [process for process in _processes.values() if process.state.startswith("failed")]
+
+
 def stop_all(patience: float = PATIENCE) -> None:
     """Stop every process of start(), all at the same time."""
     threads = [threading.Thread(target=process.stop, args=(patience,)) for process in running()]

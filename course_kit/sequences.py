@@ -122,8 +122,7 @@ def plot_calls(recorded: Recording | TopicRecording, title: str | None = None) -
     bars: list[Bar] = []
     for slot, call in enumerate(calls):
         colour = COLOURS[slot % len(COLOURS)]
-        first = min(call.times.values())
-        asked = first if math.isnan(call.request_sent) else call.request_sent
+        asked = call.began if math.isnan(call.request_sent) else call.request_sent
         arrows.append(Arrow("client", "server", asked, call.request_received, colour, _describe(call, slot + 1)))
         bars.append(Bar("client", asked, call.response_received, colour, is_hollow=True, slot=slot))
         if not math.isnan(call.request_received):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 NAMES = ("request_sent", "request_received", "response_sent", "response_received")  # by service_msgs' event_type
@@ -17,15 +17,18 @@ PROCESS = 12  # bytes at the start of a gid that are the same for everything of 
 
 @dataclass(frozen=True)
 class Call:
-    """When the four events of one call happened, in seconds of the nodes' clocks; nan for one that did not."""
+    """When the four events of one call happened, in seconds of the nodes' clocks; nan for one that was not reported."""
 
     number: int  # of the client's requests, from 1
-    times: dict[str, float] = field(default_factory=dict)
+    request_sent: float = math.nan
+    request_received: float = math.nan
+    response_sent: float = math.nan
+    response_received: float = math.nan
 
-    def __getattr__(self, name: str) -> float:
-        if name in NAMES:
-            return self.times.get(name, math.nan)
-        raise AttributeError(name)
+    @property
+    def began(self) -> float:
+        """The first that is known of it."""
+        return min(time for time in (getattr(self, name) for name in NAMES) if not math.isnan(time))
 
     @property
     def waiting(self) -> float:
@@ -57,5 +60,5 @@ def calls_of(events: Iterable[Any]) -> list[Call]:
         if name in times:
             raise ValueError(f"two clients of one process made a request {info.sequence_number} of this service")
         times[name] = info.stamp.sec + info.stamp.nanosec * 1e-9
-    calls = [Call(number, times) for (_, number), times in found.items()]
-    return sorted(calls, key=lambda call: min(call.times.values()))
+    calls = [Call(number, **times) for (_, number), times in found.items()]
+    return sorted(calls, key=lambda call: call.began)

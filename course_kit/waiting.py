@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from course_kit import background, spinning
+from course_kit import background, processes, spinning
 
 
 class FutureLike(Protocol):
@@ -69,9 +69,15 @@ def _wait_for_condition(condition: Callable[[], Any], timeout: float, what: str 
             raise TimeoutError(
                 f"{what or _describe_condition(condition)} did not come true within {timeout:g} s. "
                 f"Is the node that should bring it running? nodes() lists those of this notebook, logs() what they say."
+                f"{_failed_processes()}"
             )
         time.sleep(POLL)
     return value
+
+
+def _failed_processes() -> str:
+    failed = [f"`{process.name}` {process.state}" for process in processes.failed()]
+    return f" Among the processes, {' and '.join(failed)}." if failed else ""
 
 
 def _describe_condition(condition: Callable[[], Any]) -> str:

@@ -99,6 +99,13 @@ def test_a_timeout_says_what_the_process_does():
         process.wait(0.1)
 
 
+def test_a_wait_for_what_a_failed_process_should_have_done_names_it():
+    process = python("raise SystemExit(3)", name="early end")
+    wait_for(process, timeout=20)
+    with pytest.raises(TimeoutError, match=r"`early end` failed \(exit status 3\)"):
+        wait_for(lambda: process.says("ready"), timeout=0.1)
+
+
 @pytest.mark.parametrize(
     ("command", "error", "says"),
     [
@@ -116,7 +123,7 @@ def test_bad_commands_are_refused_in_one_line(command, error, says):
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(FileNotFoundError, match="the folder .*nowhere does not exist"):
+    with pytest.raises(FileNotFoundError, match=r"the folder .*nowhere does not exist"):
         start("ls", folder=tmp_path / "nowhere")
 
 

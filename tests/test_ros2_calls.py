@@ -227,37 +227,37 @@ def test_what_is_no_goal_is_said_in_a_line(words, error):
 # In a kernel -------------------------------------------------------------------------------------------------------
 
 
-def in_kernel(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[str, int]:
+def in_kernel(capfd: pytest.CaptureFixture[str], *words: str) -> tuple[str, int]:
     """What a command line prints in a process that goes on, and its exit status."""
-    status = run(words, in_notebook=True)
-    return capsys.readouterr().out, status
+    status = run(words)
+    return capfd.readouterr().out, status
 
 
-def test_calls_and_goals_work_again_and_again_in_one_process(capsys):
+def test_calls_and_goals_work_again_and_again_in_one_process(capfd):
     for number in range(3):
-        out, status = in_kernel(capsys, "service", "call", "/add_two_ints", ADD, f"{{a: {number}}}")
+        out, status = in_kernel(capfd, "service", "call", "/add_two_ints", ADD, f"{{a: {number}}}")
         assert (without_wait(out), status) == (request(number, 0), 0)
-        out, status = in_kernel(capsys, "action", "send_goal", "/fibonacci", FIBONACCI, "{order: 2}", "-f")
+        out, status = in_kernel(capfd, "action", "send_goal", "/fibonacci", FIBONACCI, "{order: 2}", "-f")
         assert out.endswith(f"Result:\n    {sequence(0, 1, 1)}Goal finished with status: SUCCEEDED\n")
         assert status == 0
     assert rclpy.ok()
 
 
-def test_an_interrupt_of_a_cell_cancels_its_goal(capsys):
+def test_an_interrupt_of_a_cell_cancels_its_goal(capfd):
     handler = signal.getsignal(signal.SIGINT)
     out: list[str] = []
 
     def interrupt_when_accepted() -> None:
         while "Goal accepted" not in "".join(out):
-            out.append(capsys.readouterr().out)
+            out.append(capfd.readouterr().out)
             time.sleep(0.01)
         signal.raise_signal(signal.SIGINT)
 
     thread = threading.Thread(target=interrupt_when_accepted)
     thread.start()
-    status = run(("action", "send_goal", "/endless", FIBONACCI), in_notebook=True)
+    status = run(("action", "send_goal", "/endless", FIBONACCI))
     thread.join()
-    text = "".join(out) + capsys.readouterr().out
+    text = "".join(out) + capfd.readouterr().out
     assert text.endswith(f"Goal canceled.\nResult:\n    {sequence(7)}Goal finished with status: CANCELED\n")
     assert status == 0
     assert signal.getsignal(signal.SIGINT) is handler

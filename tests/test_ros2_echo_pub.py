@@ -289,16 +289,14 @@ def test_what_pub_cannot_do_is_said_in_a_line(words, error):
 # In a kernel -------------------------------------------------------------------------------------------------------
 
 
-def test_echo_and_pub_leave_a_process_that_goes_on_as_it_was(capsys):
+def test_echo_and_pub_leave_a_process_that_goes_on_as_it_was(capfd):
     own = instruments.node()
     before = len(list(own.publishers)), len(list(own.clients)), len(list(own.subscriptions))
     for number in range(3):
-        assert run(("topic", "echo", "/chatter", "--once"), in_notebook=True) == 0
-        assert run(("topic", "echo", "/chatter", "--duration", "1.5", "--qos-depth", "5"), in_notebook=True) == 0
-        assert (
-            run(("topic", "pub", "-t", "2", "-r", "50", "-w", "0", "/n", "std_msgs/msg/Int32"), in_notebook=True) == 0
-        )
-        out = capsys.readouterr().out
+        assert run(("topic", "echo", "/chatter", "--once")) == 0
+        assert run(("topic", "echo", "/chatter", "--duration", "1.5", "--qos-depth", "5")) == 0
+        assert run(("topic", "pub", "-t", "2", "-r", "50", "-w", "0", "/n", "std_msgs/msg/Int32")) == 0
+        out = capfd.readouterr().out
         assert out.count("data: 'Hello ROS2: ") > 1, number
         assert out.endswith("publishing #2: std_msgs.msg.Int32(data=0)\n\n")
     wait_until(lambda: (len(list(own.publishers)), len(list(own.clients)), len(list(own.subscriptions))) == before)

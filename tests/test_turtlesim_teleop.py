@@ -115,7 +115,7 @@ def test_letters_ask_for_headings(ros: Ros, teleop: Teleop) -> None:
     wait_until(lambda: len(asked) == 8, "eight goals")
     expected = [0.0, 0.7854, 1.5708, 2.3562, 3.1416, -2.3562, -1.5708, -0.7854]
     assert asked == [float(np.float32(theta)) for theta in expected]
-    server.destroy()
+    ros.request(server.destroy)  # in the executor that waits for it
 
 
 def test_letter_turns_the_turtle_and_f_cancels(ros: Ros, teleop: Teleop) -> None:
