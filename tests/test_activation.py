@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -50,6 +51,27 @@ def test_a_fresh_python_stays_on_this_machine_in_a_domain_of_its_user():
 )
 def test_what_the_user_set_is_kept(name, value):
     assert variable(name, **{name: value}) == value
+
+
+@pytest.mark.skipif(not WHEELS, reason="a sourced ROS 2 is used, its CMake files need no correction")
+def test_cmake_is_told_about_the_wheels_and_what_the_user_set_is_kept():
+    toolchain = Path(variable("CMAKE_TOOLCHAIN_FILE"))
+    assert toolchain.is_relative_to(sys.prefix) and toolchain.exists()
+    assert variable("CMAKE_TOOLCHAIN_FILE", CMAKE_TOOLCHAIN_FILE="/etc/mine.cmake") == "/etc/mine.cmake"
+    assert variable("CMAKE_PREFIX_PATH", CMAKE_PREFIX_PATH="/mine") == f"/mine{os.pathsep}{sys.prefix}"
+    assert variable("CMAKE_GENERATOR", PATH="/nowhere") == "Ninja"  # there is no make
+    assert variable("CMAKE_GENERATOR", PATH="/nowhere", CMAKE_GENERATOR="Unix Makefiles") == "Unix Makefiles"
+
+
+@pytest.mark.skipif(not WHEELS, reason="a sourced ROS 2 is used, it is the underlay of workspaces")
+@pytest.mark.parametrize("shell", ["bash", "zsh"])
+def test_sourcing_local_setup_gives_a_shell_what_every_python_has(shell):
+    if shutil.which(shell) is None:
+        pytest.skip(f"{shell} is not installed")
+    code = f"source '{sys.prefix}/local_setup.{shell}'; echo \"$ROS_AUTOMATIC_DISCOVERY_RANGE\"; command -v python"
+    clean = {"PATH": "/usr/bin:/bin", "HOME": os.environ.get("HOME", "/")}
+    done = subprocess.run([shell, "-c", code], env=clean, capture_output=True, text=True, timeout=30)
+    assert (done.stdout.split(), done.stderr) == (["LOCALHOST", str(Path(sys.prefix, "bin/python"))], "")
 
 
 def test_a_users_profile_in_the_newer_variable_wins_too():

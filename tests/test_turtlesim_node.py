@@ -22,6 +22,7 @@ from rcl_interfaces.msg import Log, ParameterType
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.action import ActionClient
 from rclpy.action.graph import get_action_server_names_and_types_by_node
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import (
     ExternalShutdownException,
     MultiThreadedExecutor,
@@ -92,6 +93,10 @@ class Spinning:
                 self.executor.spin_until_future_complete(self._end, timeout_sec=3600)
             except (ExternalShutdownException, ShutdownException):
                 return
+            except InvalidHandle as error:
+                # rclpy's MultiThreadedExecutor takes what is ready in one thread while another one destroys it.
+                if not isinstance(self.executor, MultiThreadedExecutor):
+                    self.errors.append(error)
             except BaseException as error:
                 self.errors.append(error)
 
