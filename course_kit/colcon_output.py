@@ -18,6 +18,7 @@ _BLOCK = re.compile(r"--- stderr: (\S+)")
 
 _COMPILER = re.compile(r"(fatal )?error: |undefined reference to |ld: cannot find |multiple definition of ")
 _CMAKE = re.compile(r"CMake Error")
+_INTERFACE = re.compile(r"\s*Error processing '")
 # The last line of a Python traceback, or what setuptools says in place of one.
 _PYTHON = re.compile(r"(?:[\w.]*(?:Error|Exception|Invalid\w+|Exit|Unknown\w+)\b(?:: |$)|error: |error in )")
 _PYTHON_PLACE = re.compile(r'  File "(.*)", line \d+')
@@ -38,11 +39,15 @@ ADVICE = (
         "an argument of setup() in setup.py has a wrong form; entry points are 'name = package.module:function'",
     ),
     (r"([\w./]+\.hp?p?): No such file", "the compiler finds no {0}: does CMakeLists.txt name the package it is from?"),
-    (r'File "<string>"', "setup.py itself is wrong: read the line that is named"),
+    (r'File "setup.py"', "setup.py itself is wrong: read the line that is named"),
     (r"No rule to make target|Cannot find source file", "CMakeLists.txt names a file that is not there"),
     (
-        r"rosidl_adapter|rosidl_parser|\.msg|\.srv|\.action",
-        "an interface file is wrong: fields are `type name`, names lower_case, constants UPPER_CASE",
+        r"pkg_dir = include_map(?s:.*)KeyError: '(\w+)'",
+        "an interface uses a type of {0}: name it in CMakeLists.txt, in find_package() and DEPENDENCIES",
+    ),
+    (
+        r"Error processing|is an invalid|rosidl_adapter|rosidl_parser",
+        "a .msg, .srv or .action file is wrong: `type name` or `type NAME=value`, types of messages in UpperCase",
     ),
 )
 
@@ -108,9 +113,9 @@ class BuildOutput:
         """The few lines that matter of a failed build: which package, what the tools say, what to do."""
         parts = []
         for package, how in self.failed.items():
-            messages = self.messages.get(package, [])
-            parts += [f"✘ {package} was not built ({how})", *(f"    {line}" for line in reasons(messages))]
-            what_to_do = advice(messages)
+            why = reasons(self.messages.get(package, []))
+            parts += [f"✘ {package} was not built ({how})", *(f"    {line}" for line in why[:SHOWN_REASONS])]
+            what_to_do = advice(why)
             parts += [f"  to do: {what_to_do}"] if what_to_do else []
             parts += [f"  all of it: log/latest_build/{package}/stdout_stderr.log"]
         return "\n".join(parts or ["✘ colcon build did not start", *(f"    {line}" for line in self._last_words())])
@@ -132,13 +137,25 @@ def _warnings(package: str, messages: Sequence[str]) -> list[str]:
 def reasons(lines: Sequence[str]) -> list[str]:
     """Of all that the tools of a failed package said, the lines that say why."""
     lines = [line.replace('"<string>"', '"setup.py"') for line in lines if not _NOISE.match(line)]
-    for pattern, cut in ((_COMPILER_LINE, _compiler_lines), (_CMAKE, _cmake_lines), (_PYTHON, _python_lines)):
+    for pattern, cut in (
+        (_INTERFACE, _interface_lines),
+        (_COMPILER_LINE, _compiler_lines),
+        (_CMAKE, _cmake_lines),
+        (_PYTHON, _python_lines),
+    ):
         if any(pattern.match(line) for line in lines):
-            return cut(lines)[:SHOWN_REASONS]
+            return cut(lines)
     return [line for line in lines if line.strip()][-3:]
 
 
 _COMPILER_LINE = re.compile(rf"\S.*(?:{_COMPILER.pattern})")
+
+
+def _interface_lines(lines: Sequence[str]) -> list[str]:
+    """The sentence about the line of an interface file that is wrong."""
+    first = next(number for number, line in enumerate(lines) if _INTERFACE.match(line))
+    rest = [line.strip() for line in lines[first:]]
+    return [" ".join(rest[: rest.index("")] if "" in rest else rest)]
 
 
 def _compiler_lines(lines: Sequence[str]) -> list[str]:
@@ -158,7 +175,8 @@ def _cmake_lines(lines: Sequence[str]) -> list[str]:
         if line and not line.startswith(" "):
             break
         found += [line] if line.strip() else []
-    return found
+    errors = [line.strip() for line in found if _PYTHON.match(line.strip())]
+    return errors[-1:] if any(line.strip().startswith("Traceback ") for line in found) and errors else found
 
 
 def _python_lines(lines: Sequence[str]) -> list[str]:

@@ -10,9 +10,12 @@ from typing import Any
 import pytest
 import yaml
 
-from course_kit import bag_files, bag_qos, bag_types, bags, context, topics
-from course_kit.bag_read_ahead import ReadAhead
-from course_kit.bag_writer import BagWriter
+from course_kit import bags, context, topics
+from course_kit.bags import files as bag_files
+from course_kit.bags import qos as bag_qos
+from course_kit.bags import types as bag_types
+from course_kit.bags.read_ahead import ReadAhead
+from course_kit.bags.writer import BagWriter
 from tests.senders import DIGITS, PLACES, Sender
 
 STORAGES = ("mcap", "sqlite3")

@@ -22,9 +22,10 @@ from typing import Any
 
 import pytest
 
-from course_kit import bag_files, bags, context, instruments, topics
-from course_kit.bag_files import BagInfo, BagTopic
-from course_kit.bag_writer import BagWriter
+from course_kit import bags, context, instruments, topics
+from course_kit.bags import files as bag_files
+from course_kit.bags.files import BagInfo, BagTopic
+from course_kit.bags.writer import BagWriter
 from course_kit.ros2 import bag_text
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND, ros2

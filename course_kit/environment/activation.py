@@ -86,6 +86,8 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     bin_folder = os.path.join(prefix, "bin")
     others = [entry for entry in split_paths(environ.get("PATH", "")) if entry != bin_folder]
     environ["PATH"] = os.pathsep.join([bin_folder, *others])
+    if " " in prefix:
+        _allow_spaces(prefix, environ)
     if "ROS_LOCALHOST_ONLY" not in environ:
         environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     environ.setdefault("ROS_DOMAIN_ID", str(user_domain(os.getuid())))
@@ -94,6 +96,14 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     own_profile = Path("DEFAULT_FASTRTPS_PROFILES.xml").exists()
     if not own_profile and not any(environ.get(name) for name in PROFILE_VARIABLES):
         environ[PROFILE_VARIABLES[0]] = str(PROFILE)
+
+
+def _allow_spaces(prefix: str, environ: MutableMapping[str, str]) -> None:
+    """Let colcon build and its setup files work although there is a space in the environment's own path."""
+    # The setup files do not quote the Python that runs them; any does.
+    environ.setdefault("COLCON_PYTHON_EXECUTABLE", os.path.realpath(os.path.join(prefix, "bin/python")))
+    # A script's first line cannot name such a Python; this setting for setuptools has it found on PATH.
+    environ.setdefault("DIST_EXTRA_CONFIG", os.path.join(prefix, "share/course_kit/scripts.cfg"))
 
 
 def _leave_installations(environ: MutableMapping[str, str]) -> None:

@@ -33,8 +33,8 @@ def _info_arguments(parser: ArgumentParser) -> None:
 
 
 def _info(args: Namespace, session: Session) -> None:
-    from course_kit import bag_files
-    from course_kit.bag_storage import BagError
+    from course_kit.bags import files as bag_files
+    from course_kit.bags.storage import BagError
     from course_kit.ros2 import bag_text
 
     try:
@@ -53,7 +53,7 @@ def _info(args: Namespace, session: Session) -> None:
 
 def _message_sizes(path: str) -> dict[str, int]:
     """The bytes of all messages of each topic."""
-    from course_kit.bag_files import opened
+    from course_kit.bags.files import opened
 
     sizes: dict[str, int] = {}
     with opened(path) as bag:
@@ -63,9 +63,9 @@ def _message_sizes(path: str) -> dict[str, int]:
 
 
 def _reindex(args: Namespace, session: Session) -> None:
-    from course_kit.bag_recorder import LogLine
-    from course_kit.bag_repair import reindex
-    from course_kit.bag_storage import BagError
+    from course_kit.bags.recorder import LogLine
+    from course_kit.bags.repair import reindex
+    from course_kit.bags.storage import BagError
     from course_kit.ros2.bag_text import log_text
 
     def say(text: str) -> None:

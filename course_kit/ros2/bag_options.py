@@ -15,7 +15,7 @@ from course_kit.ros2.verbs import CommandError
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
-    from course_kit.bag_recorder import LogLine
+    from course_kit.bags.recorder import LogLine
 
 STORAGES = ("mcap", "sqlite3")
 LEVELS = ("debug", "info", "warn", "error", "fatal")
@@ -42,7 +42,7 @@ def _existing_path(text: str) -> str:
 
 def unfinished(path: str, count: int) -> str:
     """The line that says what can be had of a bag that its recorder has not closed."""
-    from course_kit.bag_files import is_being_recorded
+    from course_kit.bags.files import is_being_recorded
 
     folder = path if Path(path).is_dir() else str(Path(path).parent)
     if is_being_recorded(Path(folder)):
@@ -68,7 +68,7 @@ def qos_overrides(path: str | None) -> dict[str, QoSProfile]:
         return {}
     import yaml
 
-    from course_kit import bag_qos
+    from course_kit.bags import qos as bag_qos
 
     try:
         with open(path, encoding="utf-8") as file:

@@ -21,8 +21,8 @@ from course_kit.ros2.session import DurationOver, Session
 from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument
 
 if TYPE_CHECKING:
-    from course_kit.bag_files import OpenBag
-    from course_kit.bag_player import Player, PlayOptions
+    from course_kit.bags.files import OpenBag
+    from course_kit.bags.player import Player, PlayOptions
 
 CLOCK_RATE = 40.0  # Hz of --clock without a number
 UNSUPPORTED: dict[str, dict[str, Any]] = {
@@ -140,8 +140,8 @@ def _play(args: Namespace, session: Session) -> int:
 
     from rosbags.rosbag2 import ReaderError
 
-    from course_kit.bag_files import opened
-    from course_kit.bag_storage import BagError
+    from course_kit.bags.files import opened
+    from course_kit.bags.storage import BagError
     from course_kit.ros2.bag_keys import Keys
 
     has_keys = not (session.in_notebook or args.disable_keyboard_controls)
@@ -156,8 +156,8 @@ def _play(args: Namespace, session: Session) -> int:
 
 def _run(bag: OpenBag, options: PlayOptions, session: Session, keys: Any, has_keys: bool, log_level: str) -> int:
     """Play until the end, or until something ends it."""
-    from course_kit.bag_player import MATCH_TIMEOUT, NODE, Player
-    from course_kit.bag_recorder import LogLine
+    from course_kit.bags.player import MATCH_TIMEOUT, NODE, Player
+    from course_kit.bags.recorder import LogLine
 
     say = partial(show, session=session, log_level=log_level)
     try:
@@ -202,7 +202,7 @@ def _act(key: str, player: Player) -> None:
 def _options(args: Namespace) -> PlayOptions:
     """What the command line asks for; CommandError for what cannot be."""
     from course_kit import topics
-    from course_kit.bag_player import PlayOptions
+    from course_kit.bags.player import PlayOptions
 
     try:
         remap = {}

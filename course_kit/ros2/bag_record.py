@@ -23,7 +23,7 @@ from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument
 
 if TYPE_CHECKING:
-    from course_kit.bag_recorder import Recorder, Selection
+    from course_kit.bags.recorder import Recorder, Selection
 
 DEFAULT_NAME = "rosbag2_%Y_%m_%d-%H_%M_%S"
 SMALLEST_SPLIT = {"mcap": 1024, "sqlite3": 86016}  # bytes
@@ -132,8 +132,8 @@ def _record(args: Namespace, session: Session) -> int:
     refuse_unsupported(args, UNSUPPORTED)
     overrides = qos_overrides(args.qos_profile_overrides_path)
 
-    from course_kit.bag_recorder import LogLine, Recorder
-    from course_kit.bag_writer import BagWriter
+    from course_kit.bags.recorder import LogLine, Recorder
+    from course_kit.bags.writer import BagWriter
     from course_kit.ros2.bag_keys import Keys
 
     if args.no_discovery:
@@ -199,7 +199,7 @@ def _show(recorder: Recorder, session: Session, log_level: str, timeout: float =
 def _selection(args: Namespace, session: Session, folder: str) -> Selection:
     """What to record; CommandError for what contradicts itself, with rosbag2's words."""
     from course_kit import topics
-    from course_kit.bag_recorder import Selection
+    from course_kit.bags.recorder import Selection
 
     names = args.topics_positional or args.topics
     every = args.all or args.all_topics

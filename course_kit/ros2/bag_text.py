@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from course_kit.bag_files import BagInfo, BagTopic
-    from course_kit.bag_recorder import LogLine
+    from course_kit.bags.files import BagInfo, BagTopic
+    from course_kit.bags.recorder import LogLine
 
 INDENT = " " * 19
 UNITS = ("B", "KiB", "MiB", "GiB", "TiB")

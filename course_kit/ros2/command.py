@@ -129,6 +129,7 @@ def main() -> NoReturn:
     if "--use-python-default-buffering" not in words:
         sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     signal.signal(signal.SIGTERM, _terminate)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # also in a shell's background, where it is ignored
     try:
         status = run(words)
     except BrokenPipeError:  # as in `ros2 topic echo ... | head`
@@ -147,6 +148,7 @@ def _quiet_stdout() -> int:
 
 def _end(status: int) -> NoReturn:
     """Leave the graph, then the process, without waiting for what Python tidies up at its end."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not keep the node in the graph
     if "course_kit.context" in sys.modules:
         sys.modules["course_kit.context"].stop()
     with contextlib.suppress(BrokenPipeError):

@@ -36,8 +36,9 @@ class Session:
         self._deadline = None if duration is None else time.monotonic() + duration
 
     def print(self, text: str = "", end: str = "\n") -> None:
-        """Write to stdout, at once."""
-        print(text, end=end, flush=True)
+        """Write to stdout, at once and as one piece: an interrupt falls between lines."""
+        sys.stdout.write(text + end)
+        sys.stdout.flush()
 
     def warn(self, text: str) -> None:
         """Write a line to stderr, at once."""

@@ -11,7 +11,7 @@ import time
 
 from tests.benchmark.table import Row, formatted
 
-SECTIONS = ("discovery", "executor", "recorder", "rates", "turtle", "setup", "notebooks")
+SECTIONS = ("discovery", "executor", "recorder", "rates", "turtle", "ros2", "bags", "setup", "notebooks")
 
 
 def main() -> int:

@@ -59,7 +59,7 @@ def _ros2(*words: str) -> subprocess.Popen[str]:
 
 def _held(storage: str, seconds: float, rate: float) -> float | None:
     """The rate at which the sender really sent, if the bag holds every message of it."""
-    from course_kit import bag_files
+    from course_kit.bags import files as bag_files
 
     os.environ["ROS_DOMAIN_ID"] = str(reserve_domain())
     with tempfile.TemporaryDirectory() as folder:
@@ -87,7 +87,7 @@ def _played(seconds: float) -> list[float]:
     from std_msgs.msg import String
 
     from course_kit import context, instruments, topics
-    from course_kit.bag_writer import BagWriter
+    from course_kit.bags.writer import BagWriter
 
     count = int(seconds * PLAY_RATE)
     times: list[int] = []

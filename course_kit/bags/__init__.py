@@ -18,9 +18,9 @@ from types import TracebackType
 from typing import Any
 
 from course_kit import topics
-from course_kit.bag_files import BagInfo, BagTopic, info, opened, storage_files
-from course_kit.bag_repair import reindex
-from course_kit.bag_storage import BagError
+from course_kit.bags.files import BagInfo, BagTopic, info, opened, storage_files
+from course_kit.bags.repair import reindex
+from course_kit.bags.storage import BagError
 
 MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be connected
 
@@ -78,8 +78,8 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
 
     `storage` is mcap or sqlite3. Raises FileExistsError if the folder is there, unless `overwrite` and it is a bag.
     """
-    from course_kit.bag_recorder import Recorder, Selection
-    from course_kit.bag_writer import FILES, BagWriter
+    from course_kit.bags.recorder import Recorder, Selection
+    from course_kit.bags.writer import FILES, BagWriter
 
     if storage not in FILES:
         raise ValueError(f"storage is one of {', '.join(FILES)}, not {storage!r}")
@@ -120,7 +120,7 @@ def read(path: str | os.PathLike[str], *names: str) -> Iterator[tuple[str, int, 
 
 def play(path: str | os.PathLike[str], *names: str, rate: float = 1.0, tick: Callable[[], None] | None = None) -> None:
     """Publish the messages of a bag as they were recorded, `rate` times as fast; returns when the last one is out."""
-    from course_kit.bag_player import Player, PlayOptions
+    from course_kit.bags.player import Player, PlayOptions
 
     if rate <= 0:
         raise ValueError(f"a bag plays at a rate above 0, not {rate:g}")

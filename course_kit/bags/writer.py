@@ -22,9 +22,9 @@ from rosbags.rosbag2.metadata import dump_qos_v9
 from rosbags.rosbag2.storage_mcap import Channel, McapWriter, write_channel
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
-from course_kit.bag_files import METADATA
-from course_kit.bag_storage import NO_TIME
-from course_kit.bag_types import definition, type_hash
+from course_kit.bags.files import METADATA
+from course_kit.bags.storage import NO_TIME
+from course_kit.bags.types import definition, type_hash
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Qos

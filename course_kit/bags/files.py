@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from course_kit.bag_storage import BagError, open_storage
+from course_kit.bags.storage import BagError, open_storage
 
 METADATA = "metadata.yaml"
 STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}

@@ -23,11 +23,13 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from course_kit import bag_qos, bag_types, context, errors, graph, topics
+from course_kit import context, errors, graph, topics
+from course_kit.bags import qos as bag_qos
+from course_kit.bags import types as bag_types
 from course_kit.raw_subscriptions import RawSubscription, Watcher
 
 if TYPE_CHECKING:
-    from course_kit.bag_writer import BagWriter
+    from course_kit.bags.writer import BagWriter
 
 LOOK_PERIOD = 0.1  # seconds between two looks at the graph
 WRITE_PERIOD = 0.02
