@@ -47,6 +47,10 @@ def test_the_command_runs_in_the_kernel_without_a_process(kernel):
     kernel.run("assert len(psutil.Process().children()) == before")
 
 
+def test_a_shell_line_runs_it_as_a_process(kernel):
+    assert kernel.text(kernel.run("!ros2 node list")).split() == ["/talker"]
+
+
 def test_a_verb_that_goes_on_ends_after_its_duration(kernel):
     text = kernel.text(kernel.run("%ros2 topic hz /chatter --duration 2.5", timeout=20))
     assert text.startswith("average rate: ")
