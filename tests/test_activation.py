@@ -71,7 +71,7 @@ def test_sourcing_local_setup_gives_a_shell_what_every_python_has(shell):
     code = f"source '{sys.prefix}/local_setup.{shell}'; echo \"$ROS_AUTOMATIC_DISCOVERY_RANGE\"; command -v python"
     clean = {"PATH": "/usr/bin:/bin", "HOME": os.environ.get("HOME", "/")}
     done = subprocess.run([shell, "-c", code], env=clean, capture_output=True, text=True, timeout=30)
-    assert (done.stdout.split(), done.stderr) == (["LOCALHOST", str(Path(sys.prefix, "bin/python"))], "")
+    assert (done.stdout.splitlines(), done.stderr) == (["LOCALHOST", str(Path(sys.prefix, "bin/python"))], "")
 
 
 def test_a_users_profile_in_the_newer_variable_wins_too():

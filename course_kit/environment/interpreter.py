@@ -11,6 +11,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import re
 import subprocess
 import sys
 import sysconfig
@@ -90,7 +91,8 @@ def this_environment() -> Interpreter:
 
     from course_kit.environment import pins
 
-    installed = {d.metadata["Name"].lower().replace("_", "-"): d.version for d in distributions()}
+    # Spelt as the lock spells them.
+    installed = {re.sub("[-_.]+", "-", d.metadata["Name"]).lower(): d.version for d in distributions()}
     wanted = _applicable(pins.requirements(with_ros=sourced_ros(os.environ) is None))
     spec = importlib.util.find_spec("rclpy")
     facts = asdict(this_interpreter()) | {
