@@ -23,7 +23,7 @@ FAMILY = """
 import os, subprocess, sys, time
 sleep = [sys.executable, '-c', 'import time; time.sleep(100)']
 own = subprocess.Popen(sleep, start_new_session=True)
-shell = f'{sys.executable} -c "import time; time.sleep(100)" > /dev/null 2>&1 & echo $!'
+shell = f'"{sys.executable}" -c "import time; time.sleep(100)" > /dev/null 2>&1 & echo $!'
 orphan = int(subprocess.run(['sh', '-c', shell], capture_output=True, text=True).stdout)
 print('family', os.getpid(), own.pid, orphan)
 time.sleep(100)
