@@ -66,7 +66,11 @@ class Prefix:
         """Install a Python program as an executable of a package."""
         path = self.folder / "lib" / package / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(f"#!{sys.executable}\n{code}\n")
+        # Started by the shell, because a script's first line must not name a Python with a space in its path.
+        source = self.folder / "source" / package / f"{name}.py"
+        source.parent.mkdir(parents=True, exist_ok=True)
+        source.write_text(code)
+        path.write_text(f'#!/bin/sh\nexec "{sys.executable}" "{source}" "$@"\n')
         path.chmod(0o755)
         return path
 
