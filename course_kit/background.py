@@ -21,7 +21,7 @@ from rclpy.node import Node
 
 from course_kit import context, errors, processes, rosout
 from course_kit.child_process import Process
-from course_kit.spinning import SpinThread, executor_for
+from course_kit.spinning import SpinThread, destroy, executor_for
 
 NodeType = TypeVar("NodeType", bound=Node)
 # Python lets a busy cell keep the interpreter for 5 ms before a callback gets its turn; a tenth of that halves the
@@ -224,8 +224,7 @@ def _end(entry: _Running) -> None:
     executor = entry.spinning.executor
     with contextlib.suppress(Exception):  # a student may have destroyed it, or the whole context
         executor.remove_node(entry.node)
-    with contextlib.suppress(Exception):
-        entry.node.destroy_node()
+    destroy(entry.node)
     with contextlib.suppress(Exception):
         executor.shutdown(timeout_sec=0.5)
     _tell("stopped", entry.name)

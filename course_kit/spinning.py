@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import Executor, ExternalShutdownException, ShutdownException, SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -36,12 +37,26 @@ def executor_for(node: Node) -> Executor:
 
     rclpy's EventsExecutor has a third of the SingleThreadedExecutor's latency and keeps its speed beside other
     threads, but does not look at callback groups. In one thread they matter to `async def` callbacks alone, so a
-    node that has one gets the SingleThreadedExecutor, and waits here where it would wait on a robot.
+    node that has one gets the SingleThreadedExecutor, and waits here where it would wait on a robot. So does one with
+    an action client or server: in rclpy 7.1.6 the EventsExecutor crashes when an action client gets an answer that
+    was not for it.
     """
+    if any(isinstance(waitable, ActionClient | ActionServer) for waitable in node.waitables):
+        return SingleThreadedExecutor()
     entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
     if any(inspect.iscoroutinefunction(entity.callback) for entity in entities):
         return SingleThreadedExecutor()
     return EventsExecutor()
+
+
+def destroy(node: Node) -> None:
+    """Destroy a node that no executor spins any more, with its action servers and clients, which rclpy leaves."""
+    for waitable in list(node.waitables):
+        if isinstance(waitable, ActionClient | ActionServer):
+            with contextlib.suppress(Exception):  # a student may have destroyed it
+                waitable.destroy()
+    with contextlib.suppress(Exception):
+        node.destroy_node()
 
 
 class SpinThread:

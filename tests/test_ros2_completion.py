@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.ros2_command import COMMAND, program
+from tests.ros2_command import COMMAND, own_domain, program
 
 
 @pytest.fixture(scope="module", autouse=True)
 def world() -> Iterator[None]:
-    with program("tests.ros2_transcripts.world"):
+    with own_domain(), program("tests.ros2_transcripts.world"):
         yield
 
 

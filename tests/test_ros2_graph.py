@@ -14,9 +14,8 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
 from course_kit.discovery import entities, participants_listening
 from tests.benchmark.child import Program
-from tests.ros2_command import ros2
+from tests.ros2_command import own_domain, ros2
 
-DOMAIN = int(os.environ["ROS_DOMAIN_ID"])
 PROCESSES, NODES = 5, 4
 NAMES = [f"/robot_{process}_{node}" for process in range(PROCESSES) for node in range(NODES)]
 PARAMETER_SERVICES = (
@@ -32,15 +31,16 @@ RUNS = 5
 
 
 @pytest.fixture(scope="module", autouse=True)
-def twenty_nodes() -> Iterator[None]:
-    with ExitStack() as stack:
+def domain() -> Iterator[int]:
+    """A domain of its own, with twenty nodes in five processes."""
+    with own_domain() as domain, ExitStack() as stack:
         programs = [
-            stack.enter_context(Program("full_graph", process, NODES, len(NAMES), domain=DOMAIN))
+            stack.enter_context(Program("full_graph", process, NODES, len(NAMES), domain=domain))
             for process in range(PROCESSES)
         ]
         for program in programs:
             program.report()
-        yield
+        yield domain
 
 
 @pytest.mark.parametrize("run", range(RUNS))
@@ -71,16 +71,16 @@ def test_every_endpoint_of_a_topic_that_all_nodes_share_is_counted():
     assert f"Publisher count: {len(NAMES) + 1}\n" in ros2("topic", "info", "/rosout").out  # and the command's own
 
 
-def test_a_node_that_came_or_ended_is_in_the_next_list_or_gone():
+def test_a_node_that_came_or_ended_is_in_the_next_list_or_gone(domain):
     for _ in range(3):
-        with Program("idle_node", domain=DOMAIN) as program:
+        with Program("idle_node", domain=domain) as program:
             program.report()
             assert ros2("node", "list").out.splitlines() == ["/idle", *NAMES]
         assert ros2("node", "list").out.splitlines() == NAMES
 
 
-def test_a_killed_node_is_gone_from_the_next_list():
-    with Program("idle_node", domain=DOMAIN) as program:
+def test_a_killed_node_is_gone_from_the_next_list(domain):
+    with Program("idle_node", domain=domain) as program:
         program.report()
         os.kill(program.pid, signal.SIGKILL)
         wait_until(lambda: not os.path.exists(f"/proc/{program.pid}/fd/0"))

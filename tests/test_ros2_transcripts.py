@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.ros2_command import program, ros2
+from tests.ros2_command import own_domain, program, ros2
 
 FOLDER = Path(__file__).with_name("ros2_transcripts")
 INTERRUPTED_STATUS = 124  # what `timeout` says in the recordings, whatever the command's own status was
@@ -40,7 +40,7 @@ RULES = (
 
 @pytest.fixture(scope="module", autouse=True)
 def world() -> Iterator[None]:
-    with program("tests.ros2_transcripts.world"):
+    with own_domain(), program("tests.ros2_transcripts.world"):
         yield
 
 

@@ -6,14 +6,18 @@ import signal
 import sys
 import time
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from queue import SimpleQueue
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.completion import action_names, type_of_action
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, did_you_mean
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 GONE = 2.0  # seconds after which a server that is not there any more will not answer
 SAME_INTERRUPT = 0.5  # seconds: a shell may pass one Ctrl-C on twice, to the process and to its group
@@ -36,7 +40,6 @@ def _arguments(parser: ArgumentParser) -> None:
 def _run(args: Namespace, session: Session) -> None:
     from rclpy.action import ActionClient
 
-    from course_kit import instruments
     from course_kit.ros2.interface_classes import checked_name, interface_class
     from course_kit.ros2.message_values import NotYaml, parse, populate, stamp
 
@@ -49,17 +52,38 @@ def _run(args: Namespace, session: Session) -> None:
     except (AttributeError, TypeError, ValueError, OverflowError, AssertionError) as error:
         raise CommandError(f"Failed to populate message fields: {error!r}") from None
     name = checked_name(args.action_name, "action")
-    try:
-        client = ActionClient(session.node, kind, name)
-    except Exception as error:  # rclpy has several for what the middleware refuses
-        raise CommandError(" ".join(str(error).split())) from None
-    try:
+    with _spun_node(session) as node:
+        try:
+            client = ActionClient(node, kind, name)
+        except Exception as error:  # rclpy has several for what the middleware refuses
+            raise CommandError(" ".join(str(error).split())) from None
         session.print("Waiting for an action server to become available...")
         _wait_for_server(session, client, args.action_name, args.action_type)
-        stamp(times, *session.node.get_clock().now().seconds_nanoseconds())
+        stamp(times, *node.get_clock().now().seconds_nanoseconds())
         _Goal(session, client, args.action_name, args.feedback).send(goal)
+
+
+@contextmanager
+def _spun_node(session: Session) -> Iterator[Node]:
+    """A node for one action client: the instruments' executor is none for them, see spinning.executor_for()."""
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.node import Node
+
+    from course_kit import errors, spinning
+
+    name = f"{session.node.get_name()}_goal"
+    node = Node(name, context=session.node.context, start_parameter_services=False, enable_rosout=False)
+    executor = SingleThreadedExecutor(context=node.context)
+    executor.add_node(node)
+    thread = spinning.SpinThread(name, executor, lambda error: errors.report(name, error))
+    thread.start()
+    try:
+        yield node
     finally:
-        instruments.executor().create_task(client.destroy)
+        thread.stop()
+        executor.remove_node(node)
+        spinning.destroy(node)
+        executor.shutdown(timeout_sec=0.5)
 
 
 def _wait_for_server(session: Session, client: Any, name: str, action_type: str) -> None:
