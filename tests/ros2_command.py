@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -75,8 +75,3 @@ def program(module: str, *arguments: str, ready: str = "ready") -> Iterator[subp
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-
-
-def lines(outcomes: Sequence[Outcome]) -> list[list[str]]:
-    """The lines that each printed."""
-    return [outcome.out.splitlines() for outcome in outcomes]

@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ros2 import topic_endpoints
 from course_kit.ros2.completion import topic_names
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_node_arguments
@@ -65,7 +66,7 @@ def _wait_for_type(session: Session, topic: str) -> str:
     """The type of a topic; waits for one to appear, with the real command's warning."""
     from course_kit import topics
 
-    name = _absolute(topic)
+    name = topic_endpoints.full_name(topic)
     found = dict(session.graph().get_topic_names_and_types()).get(name, [])
     if not found:
         session.print(f"WARNING: topic [{topic}] does not appear to be published yet")
@@ -77,22 +78,13 @@ def _wait_for_type(session: Session, topic: str) -> str:
     return types[0]
 
 
-def _absolute(topic: str) -> str:
-    from course_kit import topics
-
-    try:
-        return topics.absolute(topic)
-    except ValueError as error:
-        raise CommandError(str(error)) from None
-
-
 def _subscribe(session: Session, topic: str, callback: Callable[[bytes, dict[str, Any]], None]) -> RawSubscription:
     """Have the callback called, in the watching thread, with each serialised message of a topic."""
     from course_kit import instruments
 
     kind = _wait_for_type(session, topic)
     try:
-        return instruments.subscribe(_absolute(topic), callback, kind)
+        return instruments.subscribe(topic_endpoints.full_name(topic), callback, kind)
     except (ImportError, TypeError, ValueError) as error:
         raise CommandError(str(error)) from None
 
@@ -131,20 +123,23 @@ def _hz_arguments(parser: ArgumentParser) -> None:
 
 
 def _hz(args: Namespace, session: Session) -> None:
+    from rclpy.serialization import deserialize_message
+
     from course_kit.measure import ArrivalWindow, measure
+    from course_kit.ros2.topic_echo_text import expression
 
     window = ArrivalWindow(args.window_size + 1)  # so many periods
     append = window.appender()
-    matches = _filter(args.filter_expr) if args.filter_expr else None
+    matches = expression(args.filter_expr) if args.filter_expr else None
     failures: deque[str] = deque(maxlen=1)
 
     def receive(data: bytes, info: dict[str, Any]) -> None:
         if matches is not None:
             try:
-                if not matches(data, subscription.message_type):
+                if not matches(deserialize_message(data, subscription.message_type)):
                     return
-            except Exception as error:
-                failures.append(f"Invalid filter expression '{args.filter_expr}': {error}")
+            except CommandError as error:  # it belongs to the main thread
+                failures.append(str(error))
                 return
         append(info["received_timestamp"], len(data))
 
@@ -162,16 +157,6 @@ def _hz(args: Namespace, session: Session) -> None:
                 last = count
     finally:
         subscription.close()
-
-
-def _filter(expression: str) -> Callable[[bytes, Any], Any]:
-    from rclpy.serialization import deserialize_message
-
-    try:
-        code = compile(expression, "<filter>", "eval")
-    except SyntaxError as error:
-        raise CommandError(f"Invalid filter expression '{expression}': {error.msg}") from None
-    return lambda data, kind: eval(code, {"m": deserialize_message(data, kind)})
 
 
 def _bw_arguments(parser: ArgumentParser) -> None:
