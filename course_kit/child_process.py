@@ -1,7 +1,7 @@
 """A child process of the notebook: started, read line by line, signalled, awaited, and never left behind.
 
 It carries a mark in its environment, and so does all that it starts. Should the kernel die, a watcher ends whatever
-carries its marks (course_kit/ros2/launching/orphans.py).
+carries its marks (course_kit/orphans.py).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+from course_kit.orphans import Watch, end_all, mark, marked
 from course_kit.process_output import Reader, open_terminal
-from course_kit.ros2.launching.orphans import Watch, end_all, mark, marked
 
 KEPT_LINES = 10_000
 PATIENCE = 5.0  # seconds that a process has to end, after SIGINT and again after SIGTERM

@@ -8,12 +8,11 @@ from __future__ import annotations
 from typing import Any
 
 from geometry_msgs.msg import Twist
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from turtlesim.msg import Pose
 
-from course_kit.turtlesim.program import program
+from course_kit.turtlesim.program import spin
 
 
 class Mimic(Node):
@@ -33,13 +32,7 @@ class Mimic(Node):
 
 def main(args: list[str] | None = None) -> None:
     """Follow until Ctrl-C or SIGTERM; exit status 0."""
-    with program("turtle_mimic", args) as is_to_end:
-        node = Mimic()
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
-        while not is_to_end():
-            executor.spin_once(timeout_sec=1)
-        node.destroy_node()
+    spin("turtle_mimic", Mimic, args)
 
 
 if __name__ == "__main__":

@@ -10,10 +10,22 @@ from types import FrameType
 
 import rclpy
 from rclpy.exceptions import ParameterException
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+def spin(name: str, node_class: Callable[[], Node], args: list[str] | None) -> None:
+    """Run one node until Ctrl-C or SIGTERM; exit status 0."""
+    with program(name, args) as is_to_end:
+        node = node_class()
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        while not is_to_end():
+            executor.spin_once(timeout_sec=1)
+        node.destroy_node()
 
 
 @contextmanager

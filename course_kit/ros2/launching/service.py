@@ -9,11 +9,11 @@ import signal
 import traceback
 from collections.abc import Iterable
 
+from course_kit.orphans import Watch
 from course_kit.ros2.launching import events, output
 from course_kit.ros2.launching.context import LaunchContext
 from course_kit.ros2.launching.entities import LaunchDescription, visit_all
 from course_kit.ros2.launching.handlers import OnIncludeLaunchDescription, OnShutdown
-from course_kit.ros2.launching.orphans import Watch
 
 
 class LaunchService:
