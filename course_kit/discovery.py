@@ -101,6 +101,7 @@ class Discovery:
         self._node = weakref.ref(node)
         self._domain = node.context.get_domain_id()
         self._announced: dict[bytes, Entities] = {}  # by participant
+        self._known = 0  # participants, at the last look
         self._found: set[bytes] = set()  # endpoints that the graph has shown with their node
         self._lock = threading.Lock()
         self._is_kept = False
@@ -128,10 +129,10 @@ class Discovery:
         deadline = time.monotonic() + timeout
         state, changed = None, time.monotonic()
         while not self.is_whole():
-            node, now = self._node(), time.monotonic()
-            if node is None:
+            now = time.monotonic()
+            if self._node() is None:
                 return False
-            if (new := self._state(node)) != state:
+            if (new := (self._known, len(self._announced), len(self._found))) != state:
                 state, changed = new, now
             if now >= min(deadline, changed + REST):
                 return False
@@ -141,9 +142,12 @@ class Discovery:
     def is_whole(self) -> bool:
         """Whether every participant is known and has named its nodes, and all their endpoints are known."""
         node = self._node()
-        if node is None or self._subscription is None:
+        if node is None:
             return False
         known = self._participants(node)
+        self._known = len(known)
+        if self._subscription is None:
+            return False
         if len(known) < participants_listening(self._domain, Path("/proc/net/udp").read_text()):
             return False
         self._take()
@@ -175,9 +179,6 @@ class Discovery:
             if not missing:
                 return True
         return False
-
-    def _state(self, node: Node) -> tuple[int, int, int]:
-        return len(self._participants(node)), len(self._announced), len(self._found)
 
 
 def forget(node: Node) -> None:

@@ -16,10 +16,11 @@ from rclpy.executors import Executor, ExternalShutdownException, ShutdownExcepti
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
 from course_kit import context, errors, topics
-from course_kit.raw_subscriptions import Callback, RawSubscription, Watcher
+from course_kit.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
 
 MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be matched
 
@@ -81,6 +82,13 @@ def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeo
     subscription = running.watcher.subscribe(name, message_type, qos, callback)
     topics.wait_until(lambda: subscription.publisher_count >= len(published), MATCH_TIMEOUT)
     return subscription
+
+
+def subscribe_exactly(
+    topic: str, callback: Callback, message_type: Any, qos: QoSProfile, on_refused: Refused
+) -> RawSubscription:
+    """As subscribe(), with this QoS whatever publishers offer; `on_refused(policy)` is called if one offers less."""
+    return _running().watcher.subscribe(topic, message_type, qos, callback, on_refused)
 
 
 def _running() -> _Instruments:

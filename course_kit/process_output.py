@@ -34,7 +34,7 @@ def open_terminal() -> tuple[int, int]:
 
 
 class LineCutter:
-    """Bytes in, lines out."""
+    """Bytes in, lines out, without their newlines."""
 
     def __init__(self) -> None:
         self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
@@ -43,15 +43,15 @@ class LineCutter:
     def feed(self, data: bytes) -> list[str]:
         """The lines that are complete now."""
         *complete, self._partial = (self._partial + self._decoder.decode(data)).split("\n")
-        return [_as_seen(line) for line in complete]
+        return complete
 
     def rest(self) -> list[str]:
         """What came after the last line end, if anything."""
         partial, self._partial = self._partial + self._decoder.decode(b"", final=True), ""
-        return [_as_seen(partial)] if partial else []
+        return [partial] if partial else []
 
 
-def _as_seen(line: str) -> str:
+def as_seen(line: str) -> str:
     """A line as a terminal leaves it: without colours, and only what was written over the rest."""
     return _ESCAPES.sub("", line.rstrip("\r")).rpartition("\r")[2]
 
@@ -77,9 +77,9 @@ class Reader:
         lines = LineCutter()
         for data in self._chunks():
             for line in lines.feed(data):
-                self._on_line(line)
+                self._on_line(as_seen(line))
         for line in lines.rest():
-            self._on_line(line)
+            self._on_line(as_seen(line))
         os.close(self._fd)
         self._on_end()
 

@@ -23,6 +23,7 @@ from rclpy.type_support import check_is_valid_msg_type
 from course_kit import topics
 
 Callback = Callable[[bytes, dict[str, Any]], None]
+Refused = Callable[[QoSPolicyKind], None]
 
 PAUSE = 0.001  # seconds: many messages for each look, at most this much delay
 BATCH = 5000  # messages taken from one subscription before the next one has its turn
@@ -36,12 +37,22 @@ class RawSubscription:
     when a message arrives and stays true when Python is late.
     """
 
-    def __init__(self, watcher: Watcher, topic: str, message_type: Any, qos: QoSProfile, callback: Callback) -> None:
+    def __init__(
+        self,
+        watcher: Watcher,
+        topic: str,
+        message_type: Any,
+        qos: QoSProfile,
+        callback: Callback,
+        on_refused: Refused | None = None,
+    ) -> None:
+        """When a publisher offers less than `qos`, `on_refused(policy)` is called; without it, less is asked for."""
         self.topic = topic
         self.message_type = message_type
         self.type = topics.type_name(message_type)
         self.lost = 0  # messages that the middleware says it could not deliver
         self.callback = callback
+        self._on_refused = on_refused
         self.closing = False
         self.closed = threading.Event()
         self._watcher = watcher
@@ -133,8 +144,11 @@ class RawSubscription:
         self.lost = self._lost_before + int(self._missed.take_event().total_count)
 
     def follow_publisher(self, on_error: Callable[[Exception], None]) -> None:
-        """A publisher offers less than this subscription asks for: ask for less, then it delivers too."""
+        """A publisher offers less than this subscription asks for: say so, or ask for less, then it delivers too."""
         policy = self._refused.take_event().last_policy_kind
+        if self._on_refused is not None:
+            self._on_refused(policy)
+            return
         if policy == QoSPolicyKind.RELIABILITY:
             self._qos.reliability = ReliabilityPolicy.BEST_EFFORT
         elif policy == QoSPolicyKind.DURABILITY:
@@ -168,9 +182,11 @@ class Watcher:
     def is_current_thread(self) -> bool:
         return threading.current_thread() is self._thread
 
-    def subscribe(self, topic: str, message_type: Any, qos: QoSProfile, callback: Callback) -> RawSubscription:
+    def subscribe(
+        self, topic: str, message_type: Any, qos: QoSProfile, callback: Callback, on_refused: Refused | None = None
+    ) -> RawSubscription:
         """Open a subscription; its callback gets (bytes, message info)."""
-        subscription = RawSubscription(self, topic, message_type, qos, callback)
+        subscription = RawSubscription(self, topic, message_type, qos, callback, on_refused)
         with self._lock:
             self._subscriptions = (*self._subscriptions, subscription)
         self.wake()

@@ -118,6 +118,16 @@ class Lab:
             if output["output_type"] == "error"
         ]
 
+    def terminal_text(self) -> str:
+        """What the terminal in front shows. Taken from xterm's buffer: on the page it is only drawn."""
+        return str(
+            self.page.evaluate(
+                "() => { const buffer = window.jupyterapp.shell.currentWidget.content._term.buffer.active;"
+                "let text = ''; for (let row = 0; row < buffer.length; row++) { const line = buffer.getLine(row);"
+                "text += (line.isWrapped || row === 0 ? '' : '\\n') + line.translateToString(); } return text; }"
+            )
+        )
+
     def close_notebook(self) -> None:
         """End the notebook's kernel and close it without saving."""
         self.page.evaluate(

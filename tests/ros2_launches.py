@@ -10,15 +10,16 @@ import select
 import signal
 import subprocess
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from tests.ros2_command import COMMAND, TIMEOUT
+from tests.ros2_running import Running
+
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAMS = ROOT / "tests/programs"
-TIMEOUT = 60.0
 IMPORTS = """
 import os, sys
 from launch import LaunchDescription
@@ -85,36 +86,11 @@ class Prefix:
         return path
 
 
-class Running:
-    """A running `ros2` command; stdout and stderr go into `lines` together."""
+class RunningGroup(Running):
+    """A running `ros2 launch` or `ros2 run` with all its processes; stdout and stderr go into `lines` together."""
 
-    def __init__(self, *words: str | Path, environment: dict[str, str], own_group: bool = True) -> None:
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "course_kit.ros2.command", *map(str, words)],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            cwd=ROOT,
-            env=os.environ | environment,
-            start_new_session=own_group,
-        )
-        self.lines: list[str] = []
-        self._reads = True
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-
-    def _read(self) -> None:
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self.lines.append(line.rstrip("\n"))
-            if not self._reads:
-                self.process.stdout.close()
-                return
-
-    def stop_reading(self) -> None:
-        """Close our end of the pipe after the next line, as `head` does."""
-        self._reads = False
+    def __init__(self, *words: str | Path, environment: dict[str, str]) -> None:
+        super().__init__(*words, stderr=subprocess.STDOUT, environment=environment, own_group=True)
 
     @property
     def text(self) -> str:
@@ -122,11 +98,11 @@ class Running:
 
     def wait_for(self, pattern: str, count: int = 1) -> list[str]:
         """Wait until lines match a pattern; return what its groups matched, or the lines."""
-        wait_until(lambda: len(self._found(pattern)) >= count, f"{pattern!r} in:\n{self.text}", self)
+        self._wait(lambda: len(self._found(pattern)) >= count, pattern)
         return self._found(pattern)
 
     def _found(self, pattern: str) -> list[str]:
-        matches = [re.search(pattern, line) for line in list(self.lines)]
+        matches = [re.search(pattern, line) for line in self.lines]
         return [m.group(m.re.groups) for m in matches if m]
 
     def reports(self, count: int = 1) -> list[dict[str, Any]]:
@@ -142,13 +118,7 @@ class Running:
         """Ctrl-C: SIGINT to the whole process group."""
         os.killpg(self.process.pid, signal.SIGINT)
 
-    def end(self) -> int:
-        """Wait for its end; return the exit status."""
-        status = self.process.wait(TIMEOUT)
-        self._reader.join(TIMEOUT)
-        return status
-
-    def __enter__(self) -> Running:
+    def __enter__(self) -> RunningGroup:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -169,7 +139,7 @@ class Terminal:
         if self.pid == 0:
             os.chdir(ROOT)
             os.environ.update(environment)
-            os.execv(sys.executable, [sys.executable, "-m", "course_kit.ros2.command", *words])
+            os.execv(COMMAND[0], [*COMMAND, *words])
         self.text = ""
 
     def wait_for(self, text: str, count: int = 1) -> None:
@@ -200,20 +170,6 @@ class Terminal:
             assert time.monotonic() < deadline, f"no end of: {self.text}"
         os.close(self._fd)
         return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
-
-
-def wait_until(
-    condition: Callable[[], Any], what: str, running: Running | None = None, timeout: float = TIMEOUT
-) -> None:
-    """Wait for a condition; fail with `what` if it does not come true, or if what runs ends without it."""
-    deadline = time.monotonic() + timeout
-    while not condition():
-        if running is not None and running.process.poll() is not None:
-            running._reader.join(5)
-            assert condition(), f"it ended without {what}\n{running.text}"
-            return
-        assert time.monotonic() < deadline, f"no {what}"
-        time.sleep(0.02)
 
 
 def is_alive(pid: int) -> bool:

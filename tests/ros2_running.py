@@ -2,50 +2,63 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import queue
 import signal
 import subprocess
 import threading
 import time
-from types import TracebackType
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import IO
 
 from tests.ros2_command import COMMAND, TIMEOUT, Outcome
+from tests.waiting import comes_true
 
 
 class Running:
     """`with Running("topic", "echo", "/chatter") as echo`: what it writes is gathered in the background."""
 
-    def __init__(self, *words: str, stdin: str | None = None) -> None:
+    def __init__(
+        self,
+        *words: str | Path,
+        stdin: str = "",
+        stderr: int = subprocess.PIPE,
+        environment: Mapping[str, str] | None = None,
+        own_group: bool = False,
+        prepare: Callable[[], None] | None = None,
+    ) -> None:
+        """`stderr=STDOUT` puts both streams into `out`, in their order; `prepare` runs in the process first."""
         self._began = time.monotonic()
-        self._process = subprocess.Popen(
-            [*COMMAND, *words],
+        self.process = subprocess.Popen(
+            [*COMMAND, *map(str, words)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            stderr=stderr,
             text=True,
-            env=os.environ | {"COLUMNS": "80"},
+            env={**os.environ, "COLUMNS": "80", **(environment or {})},
+            start_new_session=own_group,
+            preexec_fn=prepare,
         )
-        self._news: queue.Queue[None] = queue.Queue()
         self._out: list[str] = []
         self._err: list[str] = []
+        self._reads = True
         self._threads = [
             threading.Thread(target=self._gather, args=pair, daemon=True)
-            for pair in ((self._process.stdout, self._out), (self._process.stderr, self._err))
+            for pair in ((self.process.stdout, self._out), (self.process.stderr, self._err))
+            if pair[0] is not None
         ]
         for thread in self._threads:
             thread.start()
-        assert self._process.stdin is not None
-        if stdin is not None:
-            self._process.stdin.write(stdin)
-        self._process.stdin.close()
+        assert self.process.stdin is not None
+        self.process.stdin.write(stdin)
+        self.process.stdin.close()
 
-    def _gather(self, stream: object, lines: list[str]) -> None:
-        with contextlib.suppress(ValueError):  # it was closed
-            for line in stream:  # type: ignore[attr-defined]
-                lines.append(line)
-                self._news.put(None)
+    def _gather(self, stream: IO[str], lines: list[str]) -> None:
+        for line in stream:
+            lines.append(line)
+            if stream is self.process.stdout and not self._reads:
+                stream.close()
+                return
 
     @property
     def out(self) -> str:
@@ -55,30 +68,30 @@ class Running:
     def err(self) -> str:
         return "".join(self._err)
 
+    @property
+    def lines(self) -> list[str]:
+        """The lines of `out`."""
+        return [line.rstrip("\n") for line in self._out]
+
     def until(self, text: str, count: int = 1) -> None:
         """Wait until it has written a text so many times."""
-        deadline = time.monotonic() + TIMEOUT
-        while (self.out + self.err).count(text) < count:
-            assert time.monotonic() < deadline, f"{text!r} did not come. It wrote:\n{self.out}{self.err}"
-            assert self._process.poll() is None or any(t.is_alive() for t in self._threads), (
-                f"ended without {text!r}. It wrote:\n{self.out}{self.err}"
-            )
-            try:
-                self._news.get(timeout=0.1)
-            except queue.Empty:
-                continue
+        self._wait(lambda: (self.out + self.err).count(text) >= count, text)
+
+    def _wait(self, is_written: Callable[[], bool], what: str) -> None:
+        comes_true(lambda: is_written() or not any(thread.is_alive() for thread in self._threads), TIMEOUT)
+        assert is_written(), f"no {what!r}, status {self.process.poll()}. It wrote:\n{self.out}{self.err}"
 
     def interrupt(self) -> None:
-        self._process.send_signal(signal.SIGINT)
+        """Send it SIGINT, and no other process."""
+        self.process.send_signal(signal.SIGINT)
 
     def stop_reading(self) -> None:
-        """Close the pipe that it writes to."""
-        assert self._process.stdout is not None
-        self._process.stdout.close()
+        """Close our end of the pipe after the next line, as `head` does."""
+        self._reads = False
 
     def end(self, timeout: float = TIMEOUT) -> Outcome:
         """Wait for its end, or TimeoutExpired."""
-        status = self._process.wait(timeout)
+        status = self.process.wait(timeout)
         for thread in self._threads:
             thread.join(TIMEOUT)
         return Outcome(self.out, self.err, status, time.monotonic() - self._began)
@@ -86,9 +99,7 @@ class Running:
     def __enter__(self) -> Running:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._process.poll() is None:
-            self._process.kill()
-            self._process.wait()
+    def __exit__(self, *_: object) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()

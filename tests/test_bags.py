@@ -10,17 +10,17 @@ from typing import Any
 import pytest
 import yaml
 
-from course_kit import bags, context, topics
+from course_kit import bags, context
 from course_kit.bags import files as bag_files
 from course_kit.bags import qos as bag_qos
 from course_kit.bags import types as bag_types
 from course_kit.bags.read_ahead import ReadAhead
 from course_kit.bags.writer import BagWriter
 from tests.senders import DIGITS, PLACES, Sender
+from tests.waiting import wait_until
 
 STORAGES = ("mcap", "sqlite3")
 SECOND = 10**9
-TIMEOUT = 20.0
 
 
 def stop_ros() -> Iterator[None]:
@@ -29,10 +29,6 @@ def stop_ros() -> Iterator[None]:
 
 
 clean = pytest.fixture(autouse=True, scope="module")(stop_ros)
-
-
-def wait_for(condition: Any, timeout: float = TIMEOUT) -> None:
-    assert topics.wait_until(condition, timeout), "what was waited for did not come"
 
 
 def made_bag(folder: Path, storage: str = "mcap", count: int = 500, topic_count: int = 2) -> Path:
@@ -63,10 +59,10 @@ def test_every_message_is_recorded_as_it_came(tmp_path: Path, storage: str, kind
     count = 300
     with Sender("/sent", kind, rate=1000, count=count) as sender:
         with bags.record(tmp_path / "bag", "/sent", storage=storage) as recording:
-            wait_for(lambda: recording.topics == ["/sent"])
+            wait_until(lambda: recording.topics == ["/sent"])
             sender.go()
             sender.result()
-            wait_for(lambda: recording.message_count == count)
+            wait_until(lambda: recording.message_count == count)
         assert recording.lost == 0
     messages = list(bags.read(tmp_path / "bag"))
     assert len(messages) == count
@@ -88,10 +84,10 @@ def test_a_bag_tells_its_types_profiles_and_times(tmp_path: Path, storage: str) 
         Sender("/pose", "pose", rate=500, count=20, qos="best_effort") as sender,
         bags.record(tmp_path / "bag", "/pose", storage=storage) as recording,
     ):
-        wait_for(lambda: recording.topics)
+        wait_until(lambda: recording.topics)
         sender.go()
         sender.result()
-        wait_for(lambda: recording.message_count > 0)
+        wait_until(lambda: recording.message_count > 0)
     told = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())["rosbag2_bagfile_information"]
     ending = {"mcap": "mcap", "sqlite3": "db3"}[storage]
     assert told["version"] == 9
@@ -135,10 +131,10 @@ def test_a_thousand_scans_a_second_are_recorded_without_loss(tmp_path: Path) -> 
     count = 2000
     with Sender("/scan", "scan", rate=1000, count=count) as sender:
         with bags.record(tmp_path / "bag", "/scan") as recording:
-            wait_for(lambda: recording.topics)
+            wait_until(lambda: recording.topics)
             sender.go()
             sender.result()
-            wait_for(lambda: recording.message_count == count, timeout=10)
+            wait_until(lambda: recording.message_count == count, timeout=10)
         assert recording.lost == 0
     place = PLACES["scan"]
     with bag_files.opened(tmp_path / "bag") as bag:
@@ -150,10 +146,10 @@ def test_a_topic_that_appears_later_is_recorded(tmp_path: Path) -> None:
     with bags.record(tmp_path / "bag") as recording:
         assert "/late" not in recording.topics
         with Sender("/late", "string", rate=500, count=50) as sender:
-            wait_for(lambda: "/late" in recording.topics)
+            wait_until(lambda: "/late" in recording.topics)
             sender.go()
             sender.result()
-            wait_for(lambda: recording.message_count >= 50)
+            wait_until(lambda: recording.message_count >= 50)
     assert numbers(tmp_path / "bag", "/late") == list(range(50))
 
 
@@ -171,10 +167,10 @@ def test_a_folder_that_is_there_is_not_overwritten_unless_told(tmp_path: Path) -
 def test_two_recordings_at_once_and_a_second_stop(tmp_path: Path) -> None:
     with Sender("/both", "string", rate=200, count=200) as sender:
         first, second = bags.record(tmp_path / "one", "/both"), bags.record(tmp_path / "two", "/both")
-        wait_for(lambda: first.topics and second.topics)
+        wait_until(lambda: first.topics and second.topics)
         sender.go()
         sender.result()
-        wait_for(lambda: numbers(tmp_path / "one")[-1:] == numbers(tmp_path / "two")[-1:] == [199])
+        wait_until(lambda: numbers(tmp_path / "one")[-1:] == numbers(tmp_path / "two")[-1:] == [199])
         first.stop()
         first.stop()
         assert second.is_running
@@ -257,11 +253,11 @@ def test_reindexing_keeps_what_the_bag_told_of_its_topics(tmp_path: Path) -> Non
 
 def test_a_bag_that_is_being_recorded_can_be_looked_into_but_not_reindexed(tmp_path: Path) -> None:
     with Sender("/now", "string", rate=500, count=50) as sender, bags.record(tmp_path / "bag", "/now") as recording:
-        wait_for(lambda: recording.topics)
+        wait_until(lambda: recording.topics)
         sender.go()
         sender.result()
-        wait_for(lambda: (tmp_path / "bag/bag_0.mcap").stat().st_size > 500)
-        wait_for(lambda: bags.info(tmp_path / "bag").message_count == 50)
+        wait_until(lambda: (tmp_path / "bag/bag_0.mcap").stat().st_size > 500)
+        wait_until(lambda: bags.info(tmp_path / "bag").message_count == 50)
         with pytest.raises(bags.BagError, match="is still being recorded"):
             bags.reindex(tmp_path / "bag")
     assert numbers(tmp_path / "bag") == list(range(50))
@@ -272,7 +268,7 @@ def test_playing_publishes_what_was_recorded(tmp_path: Path) -> None:
     with bags.record(tmp_path / "copy", "/topic_0") as recording:
         played: list[None] = []
         bags.play(bag, rate=1.0, tick=lambda: played.append(None))  # the recorder finds the topic while it plays
-        wait_for(lambda: recording.topics == ["/topic_0"])
+        wait_until(lambda: recording.topics == ["/topic_0"])
         assert played
     with pytest.raises(ValueError, match="rate above 0"):
         bags.play(bag, rate=0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ import pytest
 from nbformat.v4 import new_code_cell, new_notebook
 
 from tests.lab import CHROMIUM, Lab, browser, server
+from tests.waiting import wait_until
 
 pytestmark = [
     pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: sudo apt-get install chromium"),
@@ -44,11 +44,7 @@ def lab(tmp_path_factory) -> Iterator[Lab]:
 
 def until(lab: Lab, condition: Callable[[], Any], timeout: float = 20.0) -> Any:
     """Wait for something outside the page, while the page goes on."""
-    deadline = time.monotonic() + timeout
-    while not (value := condition()):
-        assert time.monotonic() < deadline, "it did not come true"
-        lab.page.wait_for_timeout(50)
-    return value
+    return wait_until(condition, timeout=timeout, pause=lambda seconds: lab.page.wait_for_timeout(1000 * seconds))
 
 
 def speeds(lab: Lab) -> tuple[float, float]:
@@ -111,7 +107,7 @@ def test_a_terminal_of_the_lab_has_ros_without_sourcing(lab, tmp_path):
     written = tmp_path / "from the terminal.txt"
     lab.page.evaluate("() => window.jupyterapp.commands.execute('terminal:create-new').then(() => 1)")
     lab.page.wait_for_selector(".jp-Terminal .xterm-helper-textarea", timeout=30_000)
-    lab.page.wait_for_timeout(1000)  # the shell reads its start-up file; what is typed meanwhile may be lost
+    until(lab, lambda: lab.terminal_text().strip())  # the prompt: what is typed before it may be lost
     lab.page.locator(".jp-Terminal").last.click()
     program = "import os, sys, rclpy; print(sys.prefix, os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'], sep=chr(10))"
     lab.page.keyboard.type(f'python -c "{program}" > "{written}"\n')
@@ -120,9 +116,9 @@ def test_a_terminal_of_the_lab_has_ros_without_sourcing(lab, tmp_path):
     assert written.read_text().splitlines() == [sys.prefix, expected_range]
     # Tab completes the command, its verb and its option; the answer is the command's.
     lab.page.keyboard.type("ros2 inter\t")
-    lab.page.wait_for_timeout(1500)  # the completion runs; nothing but the screen would show its end
+    until(lab, lambda: "ros2 interface " in lab.terminal_text())
     lab.page.keyboard.type("sho\t")
-    lab.page.wait_for_timeout(1500)
+    until(lab, lambda: "ros2 interface show " in lab.terminal_text())
     lab.page.keyboard.type(f'example_interfaces/srv/AddTwoInts > "{written}"\n')
     until(lab, lambda: written.read_text() == "int64 a\nint64 b\n---\nint64 sum\n", timeout=30)
 

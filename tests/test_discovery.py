@@ -7,8 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,6 +15,7 @@ import rclpy
 from rclpy.node import Node
 
 from tests.benchmark.child import ROOT, Program, environment
+from tests.waiting import wait_until
 
 DOMAIN = int(os.environ["ROS_DOMAIN_ID"])
 RUNS = 10
@@ -61,9 +61,11 @@ def test_a_fresh_listener_soon_hears_a_talker_that_runs_already(talker):
 def test_a_killed_node_leaves_the_graph_in_a_few_seconds(watcher):
     with Program("idle_node", domain=DOMAIN) as program:
         program.report()
-        wait_until(lambda: "idle" in watcher.get_node_names(), 10)
+        wait_until(lambda: "idle" in watcher.get_node_names(), "the idle node", timeout=10)
         os.kill(program.pid, signal.SIGKILL)
-        wait_until(lambda: "idle" not in watcher.get_node_names(), 12)  # stock: 20 s
+        wait_until(
+            lambda: "idle" not in watcher.get_node_names(), "the end of the idle node", timeout=12
+        )  # stock: 20 s
 
 
 def test_a_users_profile_wins_over_the_courses(talker, tmp_path):
@@ -85,10 +87,3 @@ def heard(folder: Path, timeout: float, **variables: str) -> float | None:
     assert done.returncode == 0, done.stderr
     first: float | None = json.loads(done.stdout)["first"]
     return first
-
-
-def wait_until(condition: Callable[[], object], timeout: float) -> None:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < deadline, f"not within {timeout:g} s"
-        time.sleep(0.05)

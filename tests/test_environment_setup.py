@@ -10,7 +10,7 @@ import signal
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from subprocess import CompletedProcess
 from urllib.parse import urlsplit
@@ -19,16 +19,10 @@ import pytest
 
 from course_kit.environment import stamp
 from tests.course_copy import ROOT, CourseCopy, fresh_environ
+from tests.waiting import wait_until
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 SET_UP_TIMEOUT = 600.0  # a slow network, no cache
-
-
-def wait_until(condition: Callable[[], object], what: str, timeout: float = SET_UP_TIMEOUT) -> None:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < deadline, f"waited {timeout:g} s for {what}"
-        time.sleep(0.02)
 
 
 @dataclass
@@ -47,7 +41,11 @@ def done(tmp_path_factory) -> Iterator[SetUp]:
     for path in (course.root / "tests").glob("test_*.py"):
         path.unlink()
     interrupted = course.start("lab", "--version")
-    wait_until(lambda: any(course.root.glob(".venv/lib/python3.*/site-packages/*/__init__.py")), "the first packages")
+    wait_until(
+        lambda: any(course.root.glob(".venv/lib/python3.*/site-packages/*/__init__.py")),
+        "the first packages",
+        SET_UP_TIMEOUT,
+    )
     os.killpg(interrupted.pid, signal.SIGKILL)
     interrupted.communicate()
     state = course.run("--json").stdout

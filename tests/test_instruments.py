@@ -7,7 +7,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -18,10 +18,7 @@ from std_msgs.msg import Int32, String
 
 from course_kit import context, errors, instruments, topics
 from tests.senders import Sender
-
-
-def wait_until(condition: Callable[[], Any], timeout: float = 15.0) -> None:
-    assert topics.wait_until(condition, timeout), "did not come true in time"
+from tests.waiting import wait_until
 
 
 @pytest.fixture

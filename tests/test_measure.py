@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,19 +14,16 @@ from hypothesis import strategies as st
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit import context, topics
+from course_kit import context
 from course_kit.measure import ArrivalWindow, measure, rate_over_time, spread
 from course_kit.meters import Rates, measure_rates, rates
 from tests.senders import Sender
+from tests.waiting import wait_until
 
 # A busy machine is no reason to fail.
 patient = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 EPOCH = 1_800_000_000_000_000_000  # nanoseconds: as big as real ones, where float64 is too coarse
 arrivals = st.lists(st.tuples(st.integers(1, 10**10), st.integers(0, 10**6)), min_size=2, max_size=60)
-
-
-def wait_until(condition: Callable[[], Any], timeout: float = 15.0) -> None:
-    assert topics.wait_until(condition, timeout), "did not come true in time"
 
 
 def at(*milliseconds: float) -> Any:

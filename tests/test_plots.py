@@ -20,13 +20,14 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import context, topics, tracks
+from course_kit import context, tracks
 from course_kit.figures import COLOURS, INK, PANEL, PAPER
 from course_kit.meters import measure_rates
 from course_kit.plots import plot_pose, plot_rates
 from course_kit.recording import Recording, record
 from tests.kernel import Kernel
 from tests.senders import Sender
+from tests.waiting import wait_until
 
 
 @pytest.fixture
@@ -47,7 +48,7 @@ def drive(robot: Node, topic: str, make: Callable[[float], Any], seconds: float 
             publisher.publish(make(now))
             sent += 1
             time.sleep(0.01)
-        assert topics.wait_until(lambda: len(recording) == sent, 10)
+        wait_until(lambda: len(recording) == sent)
     return recording
 
 
@@ -117,7 +118,7 @@ def test_each_robot_has_its_colour_and_its_name(robot: Node) -> None:
         for publisher in publishers:
             publisher.publish(circle(0.0))
             publisher.publish(circle(0.1))
-        assert topics.wait_until(lambda: len(recording) == 4, 10)
+        wait_until(lambda: len(recording) == 4)
     field = axes_of(plot_pose(recording), "y [m]")
     labels = [text.get_text() for text in field.get_legend().get_texts()]  # type: ignore[union-attr]
     assert labels == ["/turtle1/pose", "/turtle2/pose", "start", "end"]

@@ -13,9 +13,10 @@ from pathlib import Path
 import pytest
 
 from course_kit import processes, start, stop, wait_for
-from course_kit.process_output import LineCutter
+from course_kit.process_output import LineCutter, as_seen
 from tests.kernel import Kernel
-from tests.ros2_launches import is_alive, none_left, wait_until
+from tests.ros2_launches import is_alive, none_left
+from tests.waiting import wait_until
 
 DEAF = "import signal, time; [signal.signal(n, signal.SIG_IGN) for n in (2, 15)]; print('deaf'); time.sleep(100)"
 # A child in a session of its own and one without a parent: what a shell's job control and daemons make.
@@ -142,7 +143,7 @@ def test_a_flood_is_read_and_its_end_is_kept():
 def test_lines_are_cut_anywhere_and_have_no_colours():
     cutter = LineCutter()
     text = "\x1b[31mréd\x1b[0m\r\n10 %\r100 %\nrest".encode()
-    lines = [line for n in range(len(text)) for line in cutter.feed(text[n : n + 1])]
+    lines = [as_seen(line) for n in range(len(text)) for line in cutter.feed(text[n : n + 1])]
     assert lines == ["réd", "100 %"]
     assert cutter.rest() == ["rest"] and cutter.rest() == []
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -19,15 +19,12 @@ from sensor_msgs.msg import Image, LaserScan
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import background, context, fields, instruments, topics
+from course_kit import background, context, fields, instruments
 from course_kit.buffers import MessageBuffer
 from course_kit.recording import Recording, RecordingTimeout, record
 from course_kit.topic_recording import TopicRecording
 from tests.senders import DIGITS, PLACES, Sender
-
-
-def wait_until(condition: Callable[[], Any], timeout: float = 15.0) -> None:
-    assert topics.wait_until(condition, timeout), "did not come true in time"
+from tests.waiting import wait_until
 
 
 @pytest.fixture

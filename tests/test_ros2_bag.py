@@ -5,7 +5,6 @@ from __future__ import annotations
 import fcntl
 import os
 import pty
-import queue
 import re
 import resource
 import select
@@ -13,7 +12,6 @@ import signal
 import statistics
 import subprocess
 import termios
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -29,7 +27,9 @@ from course_kit.bags.writer import BagWriter
 from course_kit.ros2 import bag_text
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND, ros2
+from tests.ros2_running import Running
 from tests.senders import DIGITS, PLACES, Sender
+from tests.waiting import wait_until
 
 SECOND = 10**9
 TIMEOUT = 30.0
@@ -44,56 +44,9 @@ def stop_ros() -> Iterator[None]:
 clean = pytest.fixture(autouse=True, scope="module")(stop_ros)
 
 
-class Running:
-    """`ros2 bag …` while it runs; what it prints comes out of wait_for()."""
-
-    def __init__(self, *words: str, prepare: Callable[[], None] | None = None) -> None:
-        self.process = subprocess.Popen(
-            [*COMMAND, "bag", *words],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            preexec_fn=prepare,
-        )
-        self.lines: list[str] = []
-        self._queue: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._collect, daemon=True).start()
-
-    def _collect(self) -> None:
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self._queue.put(line.rstrip("\n"))
-        self._queue.put("[end]")
-
-    def wait_for(self, text: str) -> str:
-        """The next line that has this text."""
-        deadline = time.monotonic() + TIMEOUT
-        while time.monotonic() < deadline:
-            try:
-                line = self._queue.get(timeout=0.5)
-            except queue.Empty:
-                continue
-            self.lines.append(line)
-            if text in line:
-                return line
-            assert line != "[end]", self.lines
-        raise AssertionError(f"{text!r} did not come: {self.lines}")
-
-    def end(self, number: int = signal.SIGINT) -> int:
-        """Send it a signal; return its exit status when it has ended."""
-        self.process.send_signal(number)
-        return self.process.wait(TIMEOUT)
-
-    def __enter__(self) -> Running:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.wait()
+def bag_command(*words: str, prepare: Callable[[], None] | None = None) -> Running:
+    """`ros2 bag …` while it runs; what it prints on stdout and stderr comes together."""
+    return Running("bag", *words, stderr=subprocess.STDOUT, prepare=prepare)
 
 
 def texts(lines: Sequence[str]) -> list[str]:
@@ -143,13 +96,16 @@ class Received:
 
 def test_recording_prints_what_rosbag2_prints_and_ends_well_with_ctrl_c(tmp_path: Path) -> None:
     folder = tmp_path / "bag"
-    with Sender("/sent", "string", rate=500, count=100) as sender, Running("record", "-o", str(folder), "/sent") as run:
-        run.wait_for("Stopping discovery...")
+    with (
+        Sender("/sent", "string", rate=500, count=100) as sender,
+        bag_command("record", "-o", str(folder), "/sent") as run,
+    ):
+        run.until("Stopping discovery...")
         sender.go()
         sender.result()
-        assert topics.wait_until(lambda: _written(folder) == 100, TIMEOUT)
-        assert run.end() == signal.SIGINT
-        run.wait_for("Recording stopped")
+        wait_until(lambda: _written(folder) == 100)
+        run.interrupt()
+        assert run.end().status == signal.SIGINT
     shown = texts(run.lines)
     before = [
         '[WARN] [ros2bag]: Positional "topics" argument deprecated. Please use optional "--topics" argument instead.',
@@ -179,28 +135,29 @@ def test_recording_prints_what_rosbag2_prints_and_ends_well_with_ctrl_c(tmp_path
 
 
 def test_sigterm_ends_a_recording_well(tmp_path: Path) -> None:
-    with Running("record", "-o", str(tmp_path / "bag"), "--topics", "/nothing", "-s", "sqlite3") as run:
-        run.wait_for("Recording...")
-        assert run.end(signal.SIGTERM) == 0
+    with bag_command("record", "-o", str(tmp_path / "bag"), "--topics", "/nothing", "-s", "sqlite3") as run:
+        run.until("Recording...")
+        run.process.terminate()
+        assert run.end().status == 0
     assert bags.info(tmp_path / "bag").is_complete
     assert bags.info(tmp_path / "bag").files == ["bag_0.db3"]
 
 
 def test_all_topics_are_recorded_also_later_ones_but_not_hidden_or_excluded_ones(tmp_path: Path) -> None:
     folder = tmp_path / "bag"
-    with Running("record", "-a", "-x", "unwanted", "-o", str(folder)) as run:
-        run.wait_for("Recording...")
+    with bag_command("record", "-a", "-x", "unwanted", "-o", str(folder)) as run:
+        run.until("Recording...")
         with (
             Sender("/late", "pose", rate=500, count=20) as sender,
             Sender("/_hidden", "string"),
             Sender("/unwanted", "string"),
         ):
-            run.wait_for("Subscribed to topic '/late'")
+            run.until("Subscribed to topic '/late'")
             sender.go()
             sender.result()
-            run.end()
-            run.wait_for("Recording stopped")
-    assert any("Hidden topics are not recorded. Enable them with --include-hidden-topics" in line for line in run.lines)
+            run.interrupt()
+            assert "Recording stopped" in run.end().out
+    assert "Hidden topics are not recorded. Enable them with --include-hidden-topics" in run.out
     counts = {topic.name: topic.count for topic in bags.info(folder).topics}
     assert counts["/late"] == 20
     assert {"/late", "/parameter_events", "/rosout"} <= counts.keys()
@@ -213,12 +170,13 @@ def test_a_killed_recording_can_be_read_played_and_completed(tmp_path: Path, sto
     count = 3000
     with (
         Sender("/scan", "scan", rate=1000, count=count) as sender,
-        Running("record", "-o", str(folder), "-s", storage, "--topics", "/scan") as run,
+        bag_command("record", "-o", str(folder), "-s", storage, "--topics", "/scan") as run,
     ):
-        run.wait_for("Subscribed")
+        run.until("Subscribed")
         sender.go()
-        assert topics.wait_until(lambda: _written(folder) > 1000, TIMEOUT)
-        run.end(signal.SIGKILL)
+        wait_until(lambda: _written(folder) > 1000)
+        run.process.kill()
+        run.end()
         sender.result()
     assert not (folder / "metadata.yaml").exists()
     out = ros2("bag", "info", str(folder))
@@ -262,14 +220,15 @@ def test_a_full_disk_ends_the_recording_with_one_line(tmp_path: Path, storage: s
     folder = tmp_path / "bag"
     with (
         Sender("/scan", "scan", rate=1000, count=3000) as sender,
-        Running("record", "-o", str(folder), "-s", storage, "--topics", "/scan", prepare=allow_little) as run,
+        bag_command("record", "-o", str(folder), "-s", storage, "--topics", "/scan", prepare=allow_little) as run,
     ):
-        run.wait_for("Subscribed")
+        run.until("Subscribed")
         sender.go()
-        line = run.wait_for("[ERROR]")
-        assert line.startswith("[ERROR] [ros2bag]: Cannot write to 'bag': ")
-        assert run.process.wait(TIMEOUT) == 1
-    assert not any("Traceback" in line for line in run.lines)
+        outcome = run.end()
+    assert outcome.status == 1
+    (line,) = [line for line in run.lines if "[ERROR]" in line]
+    assert line.startswith("[ERROR] [ros2bag]: Cannot write to 'bag': ")
+    assert "Traceback" not in outcome.out
     assert bags.info(folder).message_count > 0
 
 
@@ -314,7 +273,7 @@ def test_playing_keeps_the_recorded_spacing(tmp_path: Path) -> None:
     bag = made_bag(tmp_path / "bag", count=200)
     with Received("/played") as received:
         out = ros2("bag", "play", str(bag))
-        assert topics.wait_until(lambda: len(received.numbers) == 200, TIMEOUT)
+        wait_until(lambda: len(received.numbers) == 200)
     assert out.status == 0
     assert texts(out.err.splitlines()) == [
         "[INFO] [rosbag2_player]: Set rate to 1",
@@ -336,17 +295,18 @@ def test_playing_at_another_rate_under_another_name_and_a_part_of_it(tmp_path: P
     words = ("-r", "4", "--start-offset", "1.0", "--playback-duration", "0.5", "-m", "/played:=/renamed")
     with Received("/renamed") as received:
         assert ros2("bag", "play", str(bag), *words, "--disable-keyboard-controls").status == 0
-        assert topics.wait_until(lambda: len(received.numbers) == 26, TIMEOUT)
+        wait_until(lambda: len(received.numbers) == 26)
     assert received.numbers == list(range(50, 76))
     assert 0.05 < (received.times[-1] - received.times[0]) * 1e-9 < 0.3  # 0.5 s of the bag, four times as fast
 
 
 def test_playing_in_a_loop_until_ctrl_c(tmp_path: Path) -> None:
     bag = made_bag(tmp_path / "bag", count=10)
-    with Received("/played") as received, Running("play", "-l", "-d", "0.05", str(bag)) as run:
-        assert topics.wait_until(lambda: len(received.numbers) >= 35, TIMEOUT)
-        assert run.end() == signal.SIGINT
-        run.wait_for("Stopping playback.")
+    with Received("/played") as received, bag_command("play", "-l", "-d", "0.05", str(bag)) as run:
+        wait_until(lambda: len(received.numbers) >= 35)
+        run.interrupt()
+        assert run.end().status == signal.SIGINT
+    assert "Stopping playback." in run.out
     assert received.numbers[:30] == list(range(10)) * 3
     assert sum("Sleep 50000000 ns" in line for line in run.lines) >= 3
 
@@ -360,7 +320,7 @@ def test_what_cannot_be_played_is_skipped_with_a_line(tmp_path: Path) -> None:
     writer.close()
     with Received("/played") as received:
         out = ros2("bag", "play", str(tmp_path / "bag"))
-        assert topics.wait_until(lambda: received.numbers == [7], TIMEOUT)
+        wait_until(lambda: received.numbers == [7])
     assert out.status == 0
     (line,) = [line for line in out.err.splitlines() if "[WARN]" in line]
     assert "Ignoring a topic '/unknown', reason: " in line
@@ -375,22 +335,22 @@ def test_playing_offers_the_recorded_profiles(tmp_path: Path) -> None:
         Sender("/sensor", "string", count=3, qos="best_effort") as sensor,
         bags.record(folder, "/kept", "/sensor") as recording,
     ):
-        assert topics.wait_until(lambda: len(recording.topics) == 2, TIMEOUT)
+        wait_until(lambda: len(recording.topics) == 2)
         kept.go()
         sensor.go()
         kept.result()
         sensor.result()
-        assert topics.wait_until(lambda: recording.message_count >= 4, TIMEOUT)
-    with Running("play", str(folder), "--start-paused") as run:
-        run.wait_for("Playback until")
+        wait_until(lambda: recording.message_count >= 4)
+    with bag_command("play", str(folder), "--start-paused") as run:
+        run.until("Playback until")
         node = instruments.node()
-        assert topics.wait_until(
-            lambda: topics.publishers(node, "/kept") and topics.publishers(node, "/sensor"), TIMEOUT
-        )
+        named = ["/rosbag2_player"]  # the graph learns a publisher first, then its node's name
+        for topic in ("/kept", "/sensor"):
+            wait_until(lambda topic=topic: [*map(topics.node_name, topics.publishers(node, topic))] == named)
         (latched,), (best_effort,) = topics.publishers(node, "/kept"), topics.publishers(node, "/sensor")
         assert latched.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         assert best_effort.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
-        assert topics.node_name(latched) == "/rosbag2_player"
+        run.interrupt()
         run.end()
 
 
@@ -473,12 +433,12 @@ def test_keys_pause_a_bag_that_plays_and_step_through_it(tmp_path: Path) -> None
         assert received.numbers == []
         for number in range(3):
             terminal.press(b"\x1b[C")
-            assert topics.wait_until(lambda: len(received.numbers) > number, TIMEOUT)  # noqa: B023
+            wait_until(lambda: len(received.numbers) > number)  # noqa: B023
         terminal.press(b"\x1b[A")
         terminal.wait_for("Set rate to 1.1")
         terminal.press(b" ")
         terminal.wait_for("Resuming play.")
-        assert topics.wait_until(lambda: len(received.numbers) > 4, TIMEOUT)
+        wait_until(lambda: len(received.numbers) > 4)
         terminal.press(b"\x03")
         terminal.wait_for("Stopping playback.")
     assert received.numbers[:4] == [0, 1, 2, 3]

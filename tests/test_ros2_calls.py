@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import signal
 import threading
-import time
 from collections.abc import Iterator
 
 import pytest
@@ -14,6 +13,7 @@ import rclpy
 from course_kit.ros2.command import run
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
+from tests.waiting import comes_true
 
 INTERRUPTED = 2
 ADD, TRIGGER = "example_interfaces/srv/AddTwoInts", "std_srvs/srv/Trigger"
@@ -247,10 +247,12 @@ def test_an_interrupt_of_a_cell_cancels_its_goal(capfd):
     handler = signal.getsignal(signal.SIGINT)
     out: list[str] = []
 
+    def is_accepted() -> bool:
+        out.append(capfd.readouterr().out)
+        return "Goal accepted" in "".join(out)
+
     def interrupt_when_accepted() -> None:
-        while "Goal accepted" not in "".join(out):
-            out.append(capfd.readouterr().out)
-            time.sleep(0.01)
+        comes_true(is_accepted)
         signal.raise_signal(signal.SIGINT)
 
     thread = threading.Thread(target=interrupt_when_accepted)

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from tests.kernel import Kernel
-from tests.ros2_launches import Prefix, Running, none_left, wait_until
+from tests.ros2_launches import Prefix, RunningGroup, none_left
+from tests.waiting import wait_until
 
 TICKING = "import os, time\nprint('pid', os.getpid(), flush=True)\nwhile True: time.sleep(0.1)"
 POLITE = """
@@ -77,8 +78,8 @@ def test_nothing_is_left_when_the_kernel_is_killed(kernel: Kernel) -> None:
 
 
 def test_a_duration_ends_a_launch_in_a_terminal_too(prefix: Prefix) -> None:
-    with Running("launch", "--duration", "2", "demo", "demo.launch.py", environment=prefix.environment) as running:
+    with RunningGroup("launch", "--duration", "2", "demo", "demo.launch.py", environment=prefix.environment) as running:
         started = running.pids(2)
-        assert running.end() == 0
+        assert running.end().status == 0
         assert "[child-1] polite" in running.lines
         assert none_left(started)

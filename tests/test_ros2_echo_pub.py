@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Iterator
 
 import pytest
@@ -24,6 +23,7 @@ from course_kit.ros2.topic_echo_text import expression, lost_text, message_text,
 from course_kit.ros2.verbs import CommandError
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
+from tests.waiting import wait_until
 
 INTERRUPTED = 2
 INVALID = "The passed message type is invalid\n"
@@ -200,10 +200,8 @@ def test_what_is_published_arrives():
 
 
 def wait_for_subscriptions(topic: str, count: int) -> None:
-    for _ in range(50):
-        if f"Subscription count: {count}\n" in ros2("topic", "info", topic).out:
-            return
-    raise AssertionError(f"{topic} has not {count} subscriptions")
+    what = f"Subscription count: {count}\n"
+    wait_until(lambda: what in ros2("topic", "info", topic).out, what)
 
 
 def test_pub_goes_on_at_its_rate_until_it_is_interrupted():
@@ -301,13 +299,6 @@ def test_echo_and_pub_leave_a_process_that_goes_on_as_it_was(capfd):
         assert out.endswith("publishing #2: std_msgs.msg.Int32(data=0)\n\n")
     wait_until(lambda: (len(list(own.publishers)), len(list(own.clients)), len(list(own.subscriptions))) == before)
     assert rclpy.ok()
-
-
-def wait_until(condition, timeout: float = 10.0) -> None:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 # Without ROS's graph -----------------------------------------------------------------------------------------------

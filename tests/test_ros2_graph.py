@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import signal
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 
@@ -15,6 +14,7 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from course_kit.discovery import entities, participants_listening
 from tests.benchmark.child import Program
 from tests.ros2_command import own_domain, ros2
+from tests.waiting import wait_until
 
 PROCESSES, NODES = 5, 4
 NAMES = [f"/robot_{process}_{node}" for process in range(PROCESSES) for node in range(NODES)]
@@ -85,13 +85,6 @@ def test_a_killed_node_is_gone_from_the_next_list(domain):
         os.kill(program.pid, signal.SIGKILL)
         wait_until(lambda: not os.path.exists(f"/proc/{program.pid}/fd/0"))
         assert ros2("node", "list").out.splitlines() == NAMES
-
-
-def wait_until(condition, timeout: float = 10.0) -> None:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def test_participants_are_counted_by_their_pairs_of_ports():

@@ -13,7 +13,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from turtlesim.msg import Pose
 
-from tests.ros2_launches import TIMEOUT, Prefix, Running
+from tests.ros2_launches import TIMEOUT, Prefix, RunningGroup
 
 STARTED = r"process started with pid"
 
@@ -26,9 +26,9 @@ def prefix(tmp_path: Path) -> Prefix:
     return prefix
 
 
-def launch(prefix: Prefix, entities: str, *arguments: str) -> Running:
+def launch(prefix: Prefix, entities: str, *arguments: str) -> RunningGroup:
     prefix.launch_file("demo", "demo.launch.py", entities)
-    return Running("launch", "demo", "demo.launch.py", *arguments, environment=prefix.environment)
+    return RunningGroup("launch", "demo", "demo.launch.py", *arguments, environment=prefix.environment)
 
 
 def drive_until_moved(command: str, pose: str) -> None:
@@ -62,7 +62,7 @@ def test_output_is_that_of_the_real_command(prefix: Prefix) -> None:
         ], handle_once=True)),
     """
     with launch(prefix, entities) as running:
-        assert running.end() == 0
+        assert running.end().status == 0
         logs = running.lines[0].removeprefix("[INFO] [launch]: All log files can be found below ")
         lines = without_ids(running.lines[1:])
         assert sorted(lines[2:4]) == ["[first-1] err", "[first-1] out"]
@@ -161,7 +161,7 @@ def test_substitutions_give_their_texts(prefix: Prefix) -> None:
                        args=["|opaque"]),
     """
     with launch(prefix, entities) as running:
-        assert running.end() == 0
+        assert running.end().status == 0
         text = running.text.replace(str(prefix.folder), "P")
         assert [line.partition("|")[2] for line in text.split("[INFO] [launch.user]: ")[1:]] == [
             "tnone\n",
@@ -185,7 +185,7 @@ def test_event_handlers_and_timers_act_in_turn(prefix: Prefix) -> None:
             msg="heard " + event.text.decode().strip()))),
     """
     with launch(prefix, entities) as running:
-        assert running.end() == 0
+        assert running.end().status == 0
         told = [line.removeprefix("[INFO] [launch.user]: ") for line in running.lines if "launch.user" in line]
         assert sorted(told[:2]) == ["first started", "heard working"]
         assert told[2:] == ["child-1 gave 0", "over"]
@@ -200,7 +200,7 @@ def test_a_process_is_started_again_until_the_launch_ends(prefix: Prefix) -> Non
     with launch(prefix, entities) as running:
         assert len(set(running.pids(3))) == 3
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
 
 
 def test_a_required_process_shuts_the_launch_down(prefix: Prefix) -> None:
@@ -210,7 +210,7 @@ def test_a_required_process_shuts_the_launch_down(prefix: Prefix) -> None:
             if b"name" in event.text else None)),
     """
     with launch(prefix, entities) as running:
-        assert running.end() == 0
+        assert running.end().status == 0
         assert "[INFO] [launch]: process[child-2] was required: shutting down launched system" in running.lines
         assert "[INFO] [reporter-1]: sending signal 'SIGINT' to process[reporter-1]" in running.lines
         assert without_ids(running.lines)[-1] == "[INFO] [reporter-1]: process has finished cleanly [pid N]"
@@ -220,7 +220,7 @@ def test_a_required_process_shuts_the_launch_down(prefix: Prefix) -> None:
 def test_output_goes_where_it_says(prefix: Prefix, output: str, shown: str) -> None:
     entities = f"""python("import sys; print('o'); print('e', file=sys.stderr)", output="{output}")"""
     with launch(prefix, entities) as running:
-        assert running.end() == 0
+        assert running.end().status == 0
         assert (
             "".join(sorted((line[-1] for line in running.lines if line.startswith("[child-1]")), reverse=True)) == shown
         )
@@ -243,7 +243,7 @@ def test_a_prefix_goes_before_commands(prefix: Prefix) -> None:
         ExecuteProcess(cmd=["printf", "two"], output="screen", prefix="env"),
     """
     with launch(prefix, entities, "--launch-prefix", "echo before", "--launch-prefix-filter", "ech") as running:
-        assert running.end() == 0
+        assert running.end().status == 0
         assert {"[echo-1] before echo one", "[env-2] two"} <= set(running.lines)
 
 
@@ -259,5 +259,5 @@ def test_the_tutorial_s_turtlesim_runs(prefix: Prefix) -> None:
         assert len(running.pids(3)) == 3
         drive_until_moved("/turtlesim1/turtle1/cmd_vel", "/turtlesim2/turtle1/pose")
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
         assert len(running.wait_for("process has finished cleanly", 3)) == 3

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.ros2_launches import Prefix, Running, Terminal, is_alive, none_left, wait_until
+from tests.ros2_launches import Prefix, RunningGroup, Terminal, is_alive, none_left
+from tests.waiting import wait_until
 
 DEAF = "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); print('deaf'); time.sleep(100)"
 DEAFER = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN);" + DEAF
@@ -35,9 +36,9 @@ def prefix(tmp_path: Path) -> Prefix:
     return prefix
 
 
-def launch(prefix: Prefix, entities: str, *words: str) -> Running:
+def launch(prefix: Prefix, entities: str, *words: str) -> RunningGroup:
     prefix.launch_file("demo", "demo.launch.py", entities)
-    return Running("launch", *words, "demo", "demo.launch.py", environment=prefix.environment)
+    return RunningGroup("launch", *words, "demo", "demo.launch.py", environment=prefix.environment)
 
 
 @pytest.mark.parametrize("whole_group", [True, False])
@@ -49,7 +50,7 @@ def test_an_interrupt_reaches_every_process_once(prefix: Prefix, whole_group: bo
             running.interrupt()
         else:
             running.process.send_signal(signal.SIGINT)
-        assert running.end() == 0
+        assert running.end().status == 0
         assert running.lines.count(WARNING) == 1
         assert sorted(line for line in running.lines if "got" in line) == [
             "[child-1] got SIGINT",
@@ -85,7 +86,7 @@ def test_a_second_interrupt_is_ignored(prefix: Prefix) -> None:
         running.wait_for("ctrl-c")
         running.interrupt()
         running.wait_for(r"user interrupted with ctrl-c \(SIGINT\) again, ignoring\.\.\.")
-        assert running.end() == 0
+        assert running.end().status == 0
 
 
 def test_a_process_that_ignores_sigint_gets_sigterm(prefix: Prefix) -> None:
@@ -93,7 +94,7 @@ def test_a_process_that_ignores_sigint_gets_sigterm(prefix: Prefix) -> None:
         (pid,) = running.pids()
         running.wait_for("deaf")
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
         told = "failed to terminate '0.4' seconds after receiving 'SIGINT', escalating to 'SIGTERM'"
         after = running.lines[running.lines.index(f"[ERROR] [child-1]: process[child-1] {told}") :]
         assert after[1] == "[INFO] [child-1]: sending signal 'SIGTERM' to process[child-1]"
@@ -105,7 +106,7 @@ def test_a_process_that_ignores_that_too_is_killed(prefix: Prefix) -> None:
     with launch(prefix, f"python({DEAFER!r}, {SHORT})") as running:
         running.wait_for("deaf")
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
         told = "failed to terminate '0.8' seconds after receiving 'SIGTERM', escalating to 'SIGKILL'"
         assert f"[ERROR] [child-1]: process[child-1] {told}" in running.lines
         assert "exit code -9" in running.lines[-1]
@@ -115,7 +116,7 @@ def test_the_real_times_are_five_and_ten_seconds(prefix: Prefix) -> None:
     with launch(prefix, f"python({DEAFER!r})") as running:
         running.wait_for("deaf")
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
         assert "'5' seconds after receiving 'SIGINT', escalating to 'SIGTERM'" in running.text
         assert "'10.0' seconds after receiving 'SIGTERM', escalating to 'SIGKILL'" in running.text
 
@@ -127,11 +128,11 @@ def test_processes_are_told_to_end_by_events(prefix: Prefix) -> None:
             signal_number="SIGTERM", process_matcher=matches_name("child-1")))]),
     """
     with launch(prefix, entities) as running:
-        assert running.end() == 0
+        assert running.end().status == 0
         assert "[INFO] [child-1]: sending signal 'SIGTERM' to process[child-1]" in running.lines
 
 
-def grandchildren(prefix: Prefix) -> Running:
+def grandchildren(prefix: Prefix) -> RunningGroup:
     """A launch of a shell with a child of its own, both deaf, and of a program that makes itself a daemon."""
     code = (
         f"import subprocess, sys; c = subprocess.Popen([sys.executable, '-S', '-c', {DEAFER!r}]); print('pid', c.pid)"
@@ -142,7 +143,7 @@ def grandchildren(prefix: Prefix) -> Running:
     return launch(prefix, f"python({code + '; c.wait()'!r}), python({daemon!r}), python({DEAF!r})")
 
 
-def all_pids(running: Running) -> list[int]:
+def all_pids(running: RunningGroup) -> list[int]:
     running.wait_for("deaf", 2)
     return [*running.pids(3), *(int(pid) for pid in running.wait_for(r"\] pid (\d+)", 2))]
 
@@ -159,7 +160,7 @@ def test_nothing_is_left_after_sigterm(prefix: Prefix) -> None:
     with grandchildren(prefix) as running:
         pids = all_pids(running)
         running.process.terminate()
-        assert running.end() == 1
+        assert running.end().status == 1
         assert none_left(pids)
         assert [line for line in running.lines if line.startswith("[ERROR] [launch]")] == [
             "[ERROR] [launch]: user interrupted with ctrl-\\ (SIGTERM), terminating...",
@@ -173,7 +174,7 @@ def test_nothing_is_left_after_an_ordinary_end(prefix: Prefix) -> None:
     with grandchildren(prefix) as running:
         pids = all_pids(running)
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
         assert none_left(pids)
 
 

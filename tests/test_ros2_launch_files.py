@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from course_kit.ros2.line_completion import complete
-from tests.ros2_launches import IMPORTS, Prefix, Running
+from tests.ros2_launches import IMPORTS, Prefix, RunningGroup
 
 REAL = "it needs the real `ros2 launch`"
 
@@ -29,8 +29,8 @@ def prefix(tmp_path: Path) -> Prefix:
 
 
 def ended(prefix: Prefix, *words: str | Path, status: int = 0) -> list[str]:
-    with Running("launch", *words, environment=prefix.environment) as running:
-        assert running.end() == status, running.text
+    with RunningGroup("launch", *words, environment=prefix.environment) as running:
+        assert running.end().status == status, running.text
         return running.lines
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from course_kit.ros2 import packages
 from course_kit.ros2.line_completion import complete
-from tests.ros2_launches import ROOT, TIMEOUT, Prefix, Running, Terminal, none_left
+from tests.ros2_launches import ROOT, TIMEOUT, Prefix, RunningGroup, Terminal, none_left
 
 WAITING = """
 import os, signal, sys, time
@@ -36,13 +36,13 @@ def prefix(tmp_path: Path) -> Prefix:
 def test_arguments_reach_the_node(prefix: Prefix) -> None:
     prefix.node("demo", "reporter")
     words = ["run", "demo", "reporter", "--flag", "7", "--ros-args", "-r", "__ns:=/robot1", "-p", "speed:=2.5"]
-    with Running(*words, environment=prefix.environment) as running:
+    with RunningGroup(*words, environment=prefix.environment) as running:
         (report,) = running.reports()
         assert report["name"] == "/robot1/launched"
         assert report["arguments"] == ["--flag", "7"]
         assert report["parameters"]["speed"] == 2.5
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
         assert running.lines[-1] == "ended well"
 
 
@@ -52,22 +52,24 @@ def test_unknown_names_are_told_with_a_suggestion(prefix: Prefix) -> None:
         ("run", "dmo", "reporter"): ["Package 'dmo' not found", "Did you mean demo?"],
         ("run", "demo", "reportr"): ["No executable found", "Did you mean reporter?"],
     }.items():
-        with Running(*words, environment=prefix.environment) as running:
-            assert running.end() == 1
+        with RunningGroup(*words, environment=prefix.environment) as running:
+            assert running.end().status == 1
             assert running.lines == expected
 
 
 def test_several_executables_of_one_name_are_listed(prefix: Prefix) -> None:
     paths = [prefix.program("demo", name, "pass") for name in ("twin", "more/twin")]
-    with Running("run", "demo", "twin", environment=prefix.environment) as running:
-        assert running.end() == 1
+    with RunningGroup("run", "demo", "twin", environment=prefix.environment) as running:
+        assert running.end().status == 1
         assert running.lines == ["Multiple executables found:", *(f"- {path}" for path in paths)]
 
 
 def test_a_prefix_goes_before_the_executable(prefix: Prefix) -> None:
     path = prefix.program("demo", "program", "pass")
-    with Running("run", "--prefix", "echo 'a b'", "demo", "program", "x", environment=prefix.environment) as running:
-        assert running.end() == 0
+    with RunningGroup(
+        "run", "--prefix", "echo 'a b'", "demo", "program", "x", environment=prefix.environment
+    ) as running:
+        assert running.end().status == 0
         assert running.lines == [f"a b {path} x"]
 
 
@@ -81,31 +83,31 @@ def test_a_prefix_goes_before_the_executable(prefix: Prefix) -> None:
 )
 def test_exit_status_of_the_program(prefix: Prefix, code: str, status: int, last: str | None) -> None:
     prefix.program("demo", "program", code)
-    with Running("run", "demo", "program", environment=prefix.environment) as running:
-        assert running.end() == status
+    with RunningGroup("run", "demo", "program", environment=prefix.environment) as running:
+        assert running.end().status == status
         assert running.lines == ([] if last is None else [last])
 
 
 @pytest.mark.parametrize("whole_group", [True, False])
 def test_an_interrupt_reaches_the_program_once(prefix: Prefix, whole_group: bool) -> None:
     prefix.program("demo", "program", WAITING)
-    with Running("run", "demo", "program", environment=prefix.environment) as running:
+    with RunningGroup("run", "demo", "program", environment=prefix.environment) as running:
         pid = int(running.wait_for(r"pid (\d+)")[0])
         if whole_group:
             running.interrupt()
         else:
             running.process.send_signal(signal.SIGINT)
-        assert running.end() == 0
+        assert running.end().status == 0
         assert running.lines[1:] == ["got SIGINT"]
         assert none_left([pid])
 
 
 def test_sigterm_reaches_the_program(prefix: Prefix) -> None:
     prefix.program("demo", "program", WAITING)
-    with Running("run", "demo", "program", environment={**prefix.environment, "STATUS": "4"}) as running:
+    with RunningGroup("run", "demo", "program", environment={**prefix.environment, "STATUS": "4"}) as running:
         running.wait_for("pid")
         running.process.terminate()
-        assert running.end() == 4
+        assert running.end().status == 4
         assert running.lines[1:] == ["got SIGTERM", "[ros2run]: Process exited with failure 4"]
 
 
@@ -131,10 +133,10 @@ def test_the_course_s_turtlesim_is_found() -> None:
 
 
 def test_turtlesim_runs_by_the_tutorial_s_command(prefix: Prefix) -> None:
-    with Running("run", "turtlesim", "turtlesim_node", environment=prefix.environment) as running:
+    with RunningGroup("run", "turtlesim", "turtlesim_node", environment=prefix.environment) as running:
         running.wait_for(r"Spawning turtle \[turtle1\]")
         running.interrupt()
-        assert running.end() == 0
+        assert running.end().status == 0
 
 
 def test_teleop_says_that_it_needs_a_terminal(prefix: Prefix) -> None:

@@ -41,8 +41,8 @@ from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelative
 
 from course_kit.turtlesim import TurtleSim
+from tests.waiting import TIMEOUT, wait_until
 
-TIMEOUT = 20.0  # seconds; discovery on a busy machine has a long tail
 EXECUTORS: dict[str, Callable[..., Any]] = {
     "single": SingleThreadedExecutor,
     "multi": lambda context: MultiThreadedExecutor(4, context=context),
@@ -57,15 +57,6 @@ TURTLE_SERVICES = {
     "teleport_relative": TeleportRelative,
 }
 LOG_LEVELS = {20: "info", 30: "warn", 40: "error"}
-
-
-def wait_until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
-    """Wait for a condition to become true and return its value."""
-    end = time.monotonic() + timeout
-    while not (value := condition()):
-        assert time.monotonic() < end, f"within {timeout} s there was no {what}"
-        time.sleep(0.005)
-    return value
 
 
 def type_name(kind: Any) -> str:

@@ -26,7 +26,8 @@ from turtlesim.srv import Spawn
 from course_kit.turtlesim import Teleop
 from course_kit.turtlesim.keyboard import first_key
 from course_kit.turtlesim.teleop import HEADINGS, KEYS
-from tests.test_turtlesim_node import TIMEOUT, Ros, Spinning, ros, wait_until
+from tests.test_turtlesim_node import Ros, Spinning, ros
+from tests.waiting import TIMEOUT, wait_until
 
 __all__ = ["ros"]  # the fixture
 

@@ -22,7 +22,8 @@ from course_kit.workspaces import Build, BuildError
 from tests import packages
 from tests.course_copy import fresh_environ
 from tests.kernel import Kernel
-from tests.ros2_launches import is_alive, none_left, wait_until
+from tests.ros2_launches import is_alive, none_left
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.timeout(300)
 STARTED = 30.0  # seconds until a node of another process is heard
@@ -114,8 +115,10 @@ def test_a_launch_file_is_launched_and_stopped_with_all_its_nodes(built):
     assert sum("process has finished cleanly" in line for line in launch.lines) == 2
 
 
-def test_not_sourced_the_package_is_not_found(built):
-    unsourced = start("ros2 run demo_py talker")
+def test_not_sourced_the_package_is_not_found(built, monkeypatch):
+    for name, value in built.workspace.environment.items():
+        monkeypatch.setenv(name, value)  # as in a notebook that uses the workspace
+    unsourced = start("ros2 run demo_py talker", environment=built.workspace.unsourced)
     assert wait_for(unsourced, timeout=STARTED) != 0
     assert any("'demo_py' not found" in line for line in unsourced.lines)
 
@@ -348,6 +351,19 @@ def test_reset_gives_a_fresh_workspace_and_keeps_the_last_sources(small):
     assert sorted(path.name for path in kept.iterdir()) == ["demo_cpp", "demo_py"]
     small.reset()  # of an empty one keeps what was kept
     assert sorted(path.name for path in kept.iterdir()) == ["demo_cpp", "demo_py"]
+
+
+def test_reset_of_a_package_leaves_the_others(small):
+    for name in ("build/demo_py", "install/demo_py", "install/demo_cpp"):
+        (small.folder / name).mkdir(parents=True)
+    small.reset("demo_py", "not_there")
+    assert small.packages == ["demo_cpp"]
+    assert [path.name for path in small.install.iterdir()] == ["demo_cpp"]
+    kept = small.folder.with_name("ros2_ws_before")
+    assert [path.name for path in kept.iterdir()] == ["demo_py"]
+    for name in ("", "..", "a/b", "/tmp"):
+        with pytest.raises(ValueError, match="nothing is removed"):
+            small.reset(name)
 
 
 def test_reset_removes_nothing_from_a_folder_that_is_no_workspace(small):

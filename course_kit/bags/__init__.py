@@ -78,7 +78,8 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
 
     `storage` is mcap or sqlite3. Raises FileExistsError if the folder is there, unless `overwrite` and it is a bag.
     """
-    from course_kit.bags.recorder import Recorder, Selection
+    from course_kit.bags.recorder import Recorder
+    from course_kit.bags.selection import Selection
     from course_kit.bags.writer import FILES, BagWriter
 
     if storage not in FILES:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import contextlib
 import os
-import re
 import sqlite3
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -26,6 +25,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from course_kit import context, errors, graph, topics
 from course_kit.bags import qos as bag_qos
 from course_kit.bags import types as bag_types
+from course_kit.bags.selection import Selection
 from course_kit.raw_subscriptions import RawSubscription, Watcher
 
 if TYPE_CHECKING:
@@ -46,37 +46,6 @@ class LogLine(NamedTuple):
     logger: str
     text: str
     stamp: int
-
-
-@dataclass(frozen=True)
-class Selection:
-    """Which topics to record: the names, types or regex given, or all; minus what is excluded."""
-
-    names: Collection[str] = ()
-    types: Collection[str] = ()
-    regex: str = ""
-    every: bool = False
-    exclude_names: Collection[str] = ()
-    exclude_types: Collection[str] = ()
-    exclude_regex: str = ""
-    with_hidden: bool = False
-    with_unpublished: bool = False
-    without_leaves: bool = False
-
-    def takes(self, topic: str, type_name: str) -> bool:
-        """Whether a topic is to be recorded, as far as its name and type tell."""
-        if topic in self.exclude_names or type_name in self.exclude_types:
-            return False
-        if self.exclude_regex and re.search(self.exclude_regex, topic):
-            return False
-        if self.every or topic in self.names or type_name in self.types:
-            return True
-        return bool(self.regex) and re.search(self.regex, topic) is not None
-
-    @property
-    def is_finite(self) -> bool:
-        """Whether the names are all that is wanted, so that looking for topics has an end."""
-        return bool(self.names) and not (self.every or self.types or self.regex)
 
 
 @dataclass

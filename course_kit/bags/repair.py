@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from course_kit.bags.files import METADATA, is_being_recorded, opened, storage_files
+from course_kit.bags.metadata import VERSION, as_yaml, metadata_of, write_metadata
 from course_kit.bags.storage import BagError, channel_words, open_storage
-from course_kit.bags.writer import VERSION, McapFile, as_yaml, metadata_of, write_metadata
+from course_kit.bags.writer import McapFile
 
 
 def reindex(folder: str | os.PathLike[str]) -> dict[str, int]:

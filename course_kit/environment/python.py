@@ -136,24 +136,17 @@ def python_path(environ: Mapping[str, str]) -> Check:
 
 
 def compiler(environ: Mapping[str, str], python: Interpreter, ros: RosInstallation | None, ready: bool) -> Check:
-    """What compiling the interfaces at set-up needs: Python.h and a C++ compiler, or ziglang in its place."""
-    name, packages = "compiler", interfaces_to_compile(ros)
-    if ready or not packages:
-        return passed(name, "not needed: the interfaces are compiled" if ready else "not needed")
+    """Python.h and a C++ compiler: set-up compiles interfaces, for which ziglang does too, and so does chapter 2."""
+    name = "compiler"
+    packages = [] if ready else interfaces_to_compile(ros)
+    chapter = "the packages that you build in chapter 2 need it; the other chapters do not"
     if not python.has_headers:
+        report, reason = (fail, f"set-up compiles {' and '.join(packages)} for Python") if packages else (warn, chapter)
         needed = lacking(python.version, has_venv=True, has_headers=False, compiles=True)
-        return fail(
-            name,
-            f"Python.h of {python.path} is missing",
-            f"set-up compiles {' and '.join(packages)} for Python",
-            f"sudo apt-get install -y {' '.join(needed)}",
-        )
+        cure = f"sudo apt-get install -y {' '.join(needed)}"
+        return report(name, f"Python.h of {python.path} is missing", reason, cure)
     found = environ.get("CXX") or shutil.which("c++", path=environ.get("PATH"))
     if found:
         return passed(name, found)
-    return warn(
-        name,
-        "no c++",
-        "set-up will fetch the compiler ziglang instead (100 MB) and take about 2 minutes longer",
-        "sudo apt-get install -y g++",
-    )
+    instead = "set-up will fetch the compiler ziglang instead (100 MB) and take about 2 minutes longer"
+    return warn(name, "no c++", instead if packages else chapter, "sudo apt-get install -y g++")

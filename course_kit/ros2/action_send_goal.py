@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import sys
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
@@ -41,16 +40,12 @@ def _run(args: Namespace, session: Session) -> None:
     from rclpy.action import ActionClient
 
     from course_kit.ros2.interface_classes import checked_name, interface_class
-    from course_kit.ros2.message_values import NotYaml, parse, populate, stamp
+    from course_kit.ros2.message_arguments import filled, parsed
+    from course_kit.ros2.message_values import stamp
 
     kind = interface_class(args.action_type, "action")
     goal = kind.Goal()
-    try:
-        times = populate(goal, parse(sys.stdin.buffer.read() if args.stdin else args.goal))
-    except NotYaml as error:
-        raise CommandError(f"The passed value is not valid YAML: {error}") from None
-    except (AttributeError, TypeError, ValueError, OverflowError, AssertionError) as error:
-        raise CommandError(f"Failed to populate message fields: {error!r}") from None
+    times = filled(goal, parsed(args, args.goal), "Failed to populate message fields: {!r}")
     name = checked_name(args.action_name, "action")
     with _spun_node(session) as node:
         try:

@@ -23,7 +23,8 @@ from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument
 
 if TYPE_CHECKING:
-    from course_kit.bags.recorder import Recorder, Selection
+    from course_kit.bags.recorder import Recorder
+    from course_kit.bags.selection import Selection
 
 DEFAULT_NAME = "rosbag2_%Y_%m_%d-%H_%M_%S"
 SMALLEST_SPLIT = {"mcap": 1024, "sqlite3": 86016}  # bytes
@@ -199,7 +200,7 @@ def _show(recorder: Recorder, session: Session, log_level: str, timeout: float =
 def _selection(args: Namespace, session: Session, folder: str) -> Selection:
     """What to record; CommandError for what contradicts itself, with rosbag2's words."""
     from course_kit import topics
-    from course_kit.bags.recorder import Selection
+    from course_kit.bags.selection import Selection
 
     names = args.topics_positional or args.topics
     every = args.all or args.all_topics

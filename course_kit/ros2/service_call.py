@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from argparse import ArgumentParser, Namespace
 from typing import Any
@@ -34,18 +33,13 @@ def _arguments(parser: ArgumentParser) -> None:
 def _run(args: Namespace, session: Session) -> None:
     from course_kit import instruments
     from course_kit.ros2.interface_classes import checked_name, interface_class
-    from course_kit.ros2.message_values import NotYaml, parse, populate
+    from course_kit.ros2.message_arguments import filled, parsed
 
     if args.rate is not None and args.rate <= 0:
         raise CommandError("rate must be greater than zero")
     kind = interface_class(args.service_type, "srv")
     request = kind.Request()
-    try:
-        times = populate(request, parse(sys.stdin.buffer.read() if args.stdin else args.values))
-    except NotYaml as error:
-        raise CommandError(f"The passed value is not valid YAML: {error}") from None
-    except (AttributeError, TypeError, ValueError, OverflowError, AssertionError) as error:
-        raise CommandError(f"Failed to populate field: {error}") from None
+    times = filled(request, parsed(args, args.values))
     name = checked_name(args.service_name, "service")
     node = session.node
     try:

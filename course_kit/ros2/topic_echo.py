@@ -99,7 +99,6 @@ def _run(args: Namespace, session: Session) -> None:
     with _messages(session, args, topic, kind) as arrivals:
         ends = None if args.timeout is None else time.monotonic() + args.timeout
         while ends is None or time.monotonic() < ends:
-            arrivals.look()
             for data, info in session.items(arrivals.queue, timeout=TICK):
                 arrivals.report(session, not args.no_lost_messages)
                 message = select(decode(data))
@@ -159,7 +158,6 @@ class _Arrivals:
 
     queue: SimpleQueue[tuple[bytes, dict[str, Any]]] = field(default_factory=SimpleQueue)
     warnings: SimpleQueue[str] = field(default_factory=SimpleQueue)
-    look: Callable[[], None] = lambda: None  # for a subscription that no thread watches
     lost: Callable[[], int] = lambda: 0
     reported: int = 0
 
@@ -206,25 +204,24 @@ def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Itera
 @contextmanager
 def _as_chosen(session: Session, args: Namespace, topic: str, kind: Any, arrivals: _Arrivals) -> Iterator[None]:
     """A subscription with the QoS of the command line, exactly, that says so if it fits no publisher."""
-    from course_kit.ros2.fixed_subscription import FixedSubscription
+    from course_kit import instruments
 
     node = session.node
     qos = topic_endpoints.chosen(args)
+
+    def note_mismatch(policy: Any) -> None:
+        arrivals.warnings.put(topic_endpoints.incompatible(node.get_name(), topic, policy, is_publisher=False))
+
     try:
-        subscription = FixedSubscription(node, topic, kind, qos, arrivals.put)
+        subscription = instruments.subscribe_exactly(topic, arrivals.put, kind, qos, note_mismatch)
     except (TypeError, RuntimeError) as error:
         raise topic_endpoints.refused(error, topic) from None
 
-    def look() -> None:
-        subscription.take()
-        if policy := subscription.refused_policy():
-            arrivals.warnings.put(topic_endpoints.incompatible(node.get_name(), topic, policy, is_publisher=False))
-
-    arrivals.look, arrivals.lost = look, lambda: subscription.lost
+    arrivals.lost = lambda: subscription.lost
     try:
         yield
     finally:
-        subscription.finish()
+        subscription.close(wait=False)
 
 
 ECHO = Verb("Output messages from a topic", _run, _arguments)

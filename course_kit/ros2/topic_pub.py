@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
@@ -92,16 +91,15 @@ def _arguments(parser: ArgumentParser) -> None:
 
 def _run(args: Namespace, session: Session) -> None:
     from course_kit.ros2.interface_classes import interface_class
-    from course_kit.ros2.message_values import populate
+    from course_kit.ros2.message_arguments import filled, parsed
 
     kind = interface_class(args.message_type, "msg")
     topic = topic_endpoints.full_name(args.topic_name)
     message = kind()
-    values = _values(sys.stdin.buffer.read() if args.stdin else args.values)
-    try:
-        times = populate(message, values)
-    except (AttributeError, TypeError, ValueError, OverflowError, AssertionError) as error:
-        raise CommandError(f"Failed to populate field: {error}") from None
+    values = parsed(args, args.values, "The passed value needs to be in YAML string or a dictionary")
+    if not isinstance(values, dict):
+        raise CommandError("The passed value needs to be a dictionary in YAML format")
+    times = filled(message, values)
     count = 1 if args.once else args.times
     wanted = int(count != 0) if args.wait_matching_subscriptions is None else args.wait_matching_subscriptions
     if wanted == 0 and args.max_wait_time_secs is not None:
@@ -114,18 +112,6 @@ def _run(args: Namespace, session: Session) -> None:
         _publish(session, args, publisher, clock, message, times, count, warnings)
         _pause(session, time.monotonic() + args.keep_alive)
         _warn(session, warnings)
-
-
-def _values(text: str | bytes) -> dict[Any, Any]:
-    from course_kit.ros2.message_values import NotYaml, parse
-
-    try:
-        values = parse(text)
-    except NotYaml:
-        raise CommandError("The passed value needs to be in YAML string or a dictionary") from None
-    if not isinstance(values, dict):
-        raise CommandError("The passed value needs to be a dictionary in YAML format")
-    return values
 
 
 @contextmanager

@@ -159,19 +159,24 @@ def _hz(args: Namespace, session: Session) -> None:
         subscription.close()
 
 
-def _bw_arguments(parser: ArgumentParser) -> None:
-    argument = parser.add_argument("topic", help="Topic name to monitor for bandwidth utilization")
+def _topic_and_window(parser: ArgumentParser, topic: str, window: str, default: int) -> None:
+    """The arguments of bw and delay, with what the help says of each."""
+    argument = parser.add_argument("topic", help=topic)
     argument.completer = topic_names  # type: ignore[attr-defined]
     parser.add_argument(
-        "--window",
-        "-w",
-        type=_positive_int,
-        default=BW_WINDOW,
-        help=f"maximum window size, in # of messages, for calculating rate (default: {BW_WINDOW})",
-        metavar="WINDOW",
+        "--window", "-w", type=_positive_int, default=default, help=f"{window} (default: {default})", metavar="WINDOW"
     )
     add_node_arguments(parser)
     add_duration_argument(parser)
+
+
+def _bw_arguments(parser: ArgumentParser) -> None:
+    _topic_and_window(
+        parser,
+        "Topic name to monitor for bandwidth utilization",
+        "maximum window size, in # of messages, for calculating rate",
+        BW_WINDOW,
+    )
 
 
 def _bw(args: Namespace, session: Session) -> None:
@@ -196,18 +201,12 @@ def _bw(args: Namespace, session: Session) -> None:
 
 
 def _delay_arguments(parser: ArgumentParser) -> None:
-    argument = parser.add_argument("topic", help="Topic name to calculate the delay for")
-    argument.completer = topic_names  # type: ignore[attr-defined]
-    parser.add_argument(
-        "--window",
-        "-w",
-        type=_positive_int,
-        default=DELAY_WINDOW,
-        help=f"window size, in # of messages, for calculating rate, string to (default: {DELAY_WINDOW})",
-        metavar="WINDOW",
+    _topic_and_window(
+        parser,
+        "Topic name to calculate the delay for",
+        "window size, in # of messages, for calculating rate, string to",
+        DELAY_WINDOW,
     )
-    add_node_arguments(parser)
-    add_duration_argument(parser)
 
 
 def _delay(args: Namespace, session: Session) -> None:

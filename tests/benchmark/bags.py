@@ -57,6 +57,12 @@ def _ros2(*words: str) -> subprocess.Popen[str]:
     )
 
 
+def _end(process: subprocess.Popen[str]) -> None:
+    if process.poll() is None:
+        process.kill()
+        process.wait()
+
+
 def _held(storage: str, seconds: float, rate: float) -> float | None:
     """The rate at which the sender really sent, if the bag holds every message of it."""
     from course_kit.bags import files as bag_files
@@ -67,15 +73,18 @@ def _held(storage: str, seconds: float, rate: float) -> float | None:
         count = int(rate * seconds)
         with Sender("/recorded", "scan", rate=rate, count=count, depth=DEPTH) as sender:
             recorder = _ros2("record", "-o", str(bag), "-s", storage, "--topics", "/recorded")
-            assert recorder.stderr is not None
-            for line in recorder.stderr:
-                if "Subscribed to topic" in line:
-                    break
-            sender.go()
-            result = sender.result()
-            time.sleep(QUIET)
-            recorder.send_signal(signal.SIGINT)
-            recorder.communicate(timeout=60)
+            try:
+                assert recorder.stderr is not None
+                for line in recorder.stderr:
+                    if "Subscribed to topic" in line:
+                        break
+                sender.go()
+                result = sender.result()
+                time.sleep(QUIET)
+                recorder.send_signal(signal.SIGINT)
+                recorder.communicate(timeout=60)
+            finally:
+                _end(recorder)
         written = bag_files.info(bag).message_count
     return float(result["rate"]) if written == result["sent"] and result["rate"] >= KEPT * rate else None
 
@@ -100,9 +109,13 @@ def _played(seconds: float) -> list[float]:
         subscription = instruments.subscribe(
             "/played", lambda data, info: times.append(info["received_timestamp"]), String
         )
-        _ros2("play", str(writer.folder)).communicate(timeout=seconds + 60)
-        topics.wait_until(lambda: len(times) == count, 5)
-        subscription.close()
+        player = _ros2("play", str(writer.folder))
+        try:
+            player.communicate(timeout=seconds + 60)
+            topics.wait_until(lambda: len(times) == count, 5)
+        finally:
+            _end(player)
+            subscription.close()
     context.stop()
     if len(times) != count:
         raise RuntimeError(f"{len(times)} of {count} messages of the bag came")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import codecs
 import contextlib
 import os
 import pty
 import signal
 import subprocess
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+
+from course_kit.process_output import LineCutter
 
 CHUNK = 65536
 # Output that grandchildren hold open is not waited for longer than this once the process has ended.
@@ -53,11 +54,11 @@ class Child:
                 os.close(fd)
             raise
         self.pid = self._process.pid
-        self._sources: dict[int, _Lines] = {}
+        self._sources: dict[int, tuple[str, LineCutter]] = {}
         for source, (ours, theirs) in zip(("stdout", "stderr"), pipes, strict=True):
             os.close(theirs)
             os.set_blocking(ours, False)
-            self._sources[ours] = _Lines(source)
+            self._sources[ours] = source, LineCutter()
             loop.add_reader(ours, self._read, ours)
         threading.Thread(target=self._wait, name=f"wait for {self.pid}", daemon=True).start()
 
@@ -74,8 +75,8 @@ class Child:
             self._finish()
 
     def _finish(self) -> None:
-        for lines in self._sources.values():
-            self._write(lines, lines.rest())
+        for source, lines in self._sources.values():
+            self._write(source, lines.rest())
         if self._code is not None and not self.ended.done():
             self.ended.set_result(self._code)
 
@@ -86,43 +87,24 @@ class Child:
             return
         except OSError:  # how a terminal tells its end
             data = b""
-        lines = self._sources[fd]
+        source, lines = self._sources[fd]
         if data:
-            self._on_data(lines.source, data)
-            self._write(lines, lines.feed(data))
+            self._on_data(source, data)
+            self._write(source, (line.removesuffix("\r") for line in lines.feed(data)))
             return
-        self._write(lines, lines.rest())
+        self._write(source, lines.rest())
         self._loop.remove_reader(fd)
         os.close(fd)
         del self._sources[fd]
         if not self._sources and self._code is not None:
             self._finish()
 
-    def _write(self, lines: _Lines, complete: Sequence[str]) -> None:
-        for line in complete:
-            self._on_line(lines.source, line)
+    def _write(self, source: str, lines: Iterable[str]) -> None:
+        for line in lines:
+            self._on_line(source, line)
 
     def send(self, number: signal.Signals) -> None:
         """Send a signal, unless it has ended."""
         if self._code is None:
             with contextlib.suppress(ProcessLookupError):
                 self._process.send_signal(number)
-
-
-class _Lines:
-    """Cuts bytes into lines."""
-
-    def __init__(self, source: str) -> None:
-        self.source = source
-        self._decoder = codecs.getincrementaldecoder("utf-8")("replace")
-        self._partial = ""
-
-    def feed(self, data: bytes) -> list[str]:
-        """The lines that are complete now."""
-        *complete, self._partial = (self._partial + self._decoder.decode(data)).split("\n")
-        return [line.removesuffix("\r") for line in complete]
-
-    def rest(self) -> list[str]:
-        """What came after the last line end, if anything."""
-        partial, self._partial = self._partial + self._decoder.decode(b"", final=True), ""
-        return [partial] if partial else []

@@ -6,19 +6,16 @@ once it sees all TOTAL nodes.
 
 from __future__ import annotations
 
-import contextlib
 import sys
 from typing import Any
 
-import rclpy
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionServer
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from tests.benchmark.programs.reporting import at_end_of_input, report
+from tests.benchmark.programs import ready_nodes
 
 
 class FullNode(Node):
@@ -34,24 +31,5 @@ class FullNode(Node):
         return Fibonacci.Result()
 
 
-def main(process: int, nodes: int, total: int) -> None:
-    rclpy.init()
-    executor = SingleThreadedExecutor()
-    made = [FullNode(process, index) for index in range(nodes)]
-    for node in made:
-        executor.add_node(node)
-
-    def count() -> None:
-        if len(made[0].get_node_names()) >= total:
-            counting.cancel()
-            report(ready=True)
-
-    counting = made[0].create_timer(0.2, count)
-    at_end_of_input(rclpy.shutdown)
-    with contextlib.suppress(ExternalShutdownException):
-        executor.spin()
-    rclpy.try_shutdown()
-
-
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    ready_nodes.spin(FullNode, *map(int, sys.argv[1:]))

@@ -6,15 +6,12 @@ Each node publishes to a topic of its own at 10 Hz and listens to one of the nex
 
 from __future__ import annotations
 
-import contextlib
 import sys
 
-import rclpy
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from tests.benchmark.programs.reporting import at_end_of_input, report
+from tests.benchmark.programs import ready_nodes
 
 PROCESSES = 5
 
@@ -30,24 +27,5 @@ class WarmNode(Node):
         self.create_subscription(String, f"out_{neighbour}_{index}", lambda message: None, 10)
 
 
-def main(process: int, nodes: int, total: int) -> None:
-    rclpy.init()
-    executor = SingleThreadedExecutor()
-    made = [WarmNode(process, index) for index in range(nodes)]
-    for node in made:
-        executor.add_node(node)
-
-    def count() -> None:
-        if len(made[0].get_node_names()) >= total:
-            counting.cancel()
-            report(ready=True)
-
-    counting = made[0].create_timer(0.2, count)
-    at_end_of_input(rclpy.shutdown)
-    with contextlib.suppress(ExternalShutdownException):
-        executor.spin()
-    rclpy.try_shutdown()
-
-
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    ready_nodes.spin(WarmNode, *map(int, sys.argv[1:]))

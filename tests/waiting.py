@@ -1,0 +1,40 @@
+"""Waiting in tests: for a condition, never for time."""
+
+from __future__ import annotations
+
+import inspect
+import time
+from collections.abc import Callable
+from typing import Any
+
+TIMEOUT = 20.0  # seconds; discovery on a busy machine has a long tail
+PAUSE = 0.01
+
+
+def comes_true(
+    condition: Callable[[], Any], timeout: float = TIMEOUT, pause: Callable[[float], object] = time.sleep
+) -> Any:
+    """Look at a condition until it is true or the time is over; return its last value. `pause(s)` lets others go on."""
+    deadline = time.monotonic() + timeout
+    while not (value := condition()) and time.monotonic() < deadline:
+        pause(PAUSE)
+    return value
+
+
+def wait_until(
+    condition: Callable[[], Any],
+    what: str = "",
+    timeout: float = TIMEOUT,
+    pause: Callable[[float], object] = time.sleep,
+) -> Any:
+    """Wait for a condition to become true and return its value; else fail and name `what`, or the condition's code."""
+    value = comes_true(condition, timeout, pause)
+    assert value, f"waited {timeout:g} s in vain for {what or _code(condition)}"
+    return value
+
+
+def _code(condition: Callable[[], Any]) -> str:
+    try:
+        return inspect.getsource(condition).strip()
+    except (OSError, TypeError):  # built in, or typed in
+        return repr(condition)
