@@ -1,5 +1,21 @@
 """Each test process gets a ROS domain of its own, on localhost, with the course's discovery profile."""
 
+from __future__ import annotations
+
+import pytest
+
 from tests.domains import use_own_domain
 
 use_own_domain()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Where tests run beside each other: those of a module one after another, unless they name a group of their own.
+
+    The notebooks begin, they take longest.
+    """
+    items.sort(key=lambda item: item.path.stem != "test_notebooks")
+    for item in items:
+        if item.get_closest_marker("xdist_group") is None:
+            item.add_marker(pytest.mark.xdist_group(item.path.stem))

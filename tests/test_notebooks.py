@@ -18,43 +18,60 @@ NOTEBOOKS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
 LOOPBACK_ONLY = ["unshare", "--net", "--", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
 LINES = 15
 
-pytestmark = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+
+def _each_alone(group: str) -> pytest.MarkDecorator:
+    """A test of every notebook that may run beside all others."""
+    marks = [pytest.param(path, marks=pytest.mark.xdist_group(f"{group}-{path.stem}")) for path in NOTEBOOKS]
+    return pytest.mark.parametrize("path", marks, ids=[path.stem for path in NOTEBOOKS])
+
+
+of_each = pytest.mark.parametrize("path", NOTEBOOKS, ids=[path.stem for path in NOTEBOOKS])
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A copy of the notebooks, as a student has it who has run none of them."""
+    return Path(shutil.copytree(FOLDER, tmp_path / "notebooks", ignore=shutil.ignore_patterns("*_ws*", ".*")))
 
 
 def cells(path: Path) -> list:
     return nbformat.read(path, as_version=4).cells
 
 
-def run_nbval(path: Path, *prefix: str) -> None:
+def run_nbval(path: Path, folder: Path, *prefix: str) -> None:
     """Run a notebook as an instructor would, in a process of its own; AssertionError with its report if it fails."""
     command = [*prefix, sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0"]
-    done = subprocess.run([*command, path], cwd=FOLDER, capture_output=True, text=True, timeout=170)
+    done = subprocess.run([*command, path.name], cwd=folder, capture_output=True, text=True, timeout=170)
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
     count = sum(cell.cell_type == "code" for cell in cells(path))
     assert f"{count} passed" in done.stdout, done.stdout[-2000:]
 
 
+@_each_alone("nbval")
 @pytest.mark.timeout(180)
-def test_runs_top_to_bottom(path):
-    run_nbval(path)
+def test_runs_top_to_bottom(path, folder):
+    run_nbval(path, folder)
 
 
+@_each_alone("loopback")
 @pytest.mark.timeout(180)
-def test_runs_with_loopback_as_the_only_network(path):
+def test_runs_with_loopback_as_the_only_network(path, folder):
     if os.geteuid() != 0 or not shutil.which("ip"):
         pytest.skip("a network namespace needs root and the command ip")
-    run_nbval(path, *LOOPBACK_ONLY)
+    run_nbval(path, folder, *LOOPBACK_ONLY)
 
 
+@_each_alone("twice")
 @pytest.mark.timeout(240)
-def test_runs_twice_in_one_kernel(path):
+def test_runs_twice_in_one_kernel(path, folder):
     notebook = nbformat.read(path, as_version=4)
     notebook.cells = [*notebook.cells, *(cell.copy() for cell in notebook.cells)]
     for number, cell in enumerate(notebook.cells):
         cell.id = f"{cell.id}-{number}"
-    NotebookClient(notebook, timeout=60, kernel_name="python3", resources={"metadata": {"path": str(FOLDER)}}).execute()
+    NotebookClient(notebook, timeout=60, kernel_name="python3", resources={"metadata": {"path": str(folder)}}).execute()
 
 
+@of_each
 def test_is_valid_and_was_run(path):
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
@@ -63,6 +80,7 @@ def test_is_valid_and_was_run(path):
     assert counts == list(range(1, len(counts) + 1)), "run all cells in a fresh kernel, then save"
 
 
+@of_each
 def test_cells_are_named_short_and_without_errors(path):
     names = [cell.id for cell in cells(path)]
     assert len(set(names)) == len(names)
@@ -75,6 +93,7 @@ def test_cells_are_named_short_and_without_errors(path):
             assert not any(output.output_type == "error" for output in cell.outputs), cell.id
 
 
+@of_each
 def test_begins_and_ends_as_every_chapter_does(path):
     text = "\n".join(cell.source for cell in cells(path) if cell.cell_type == "markdown")
     first = cells(path)[0].source
@@ -84,6 +103,7 @@ def test_begins_and_ends_as_every_chapter_does(path):
     assert headings[-3:] == ["Summary", "Exercises", "Next"]
 
 
+@of_each
 def test_every_exercise_has_a_cell_for_its_answer(path):
     roles = {"exercise": [], "answer": []}
     for cell in cells(path):
@@ -94,6 +114,7 @@ def test_every_exercise_has_a_cell_for_its_answer(path):
     assert len(roles["exercise"]) >= 3
 
 
+@of_each
 def test_committed_outputs_name_no_path_of_a_machine(path):
     for cell in cells(path):
         if cell.cell_type == "code" and "nbval-ignore-output" not in cell.metadata.get("tags", []):
