@@ -48,6 +48,8 @@ class Listener:
 
 
 def test_the_node_is_hidden_has_no_services_and_is_one() -> None:
+    instruments.stop()
+    instruments.appear_as("_course_kit", with_rosout=False)  # a `ros2` in this process names it otherwise
     node = instruments.node()
     assert node.get_name() == f"_course_kit_{os.getpid()}"
     assert list(node.services) == []
