@@ -24,6 +24,9 @@ EXPORTS = {
     "measure_rates": "meters",
     "plot_pose": "plots",
     "plot_rates": "plots",
+    "plot_graph": "graph_plots",
+    "show_graph": "live.graph",
+    "check": "checking.notebook",
 }
 __all__ = sorted(EXPORTS)
 

@@ -34,8 +34,12 @@ class Process:
         folder: Path | None = None,
         on_line: Callable[[str], None] | None = None,
         in_terminal: bool = True,
+        hand_over: Sequence[int] = (),
     ) -> None:
-        """`on_line` is called with each line, in another thread. Reading begins with begin()."""
+        """`on_line` is called with each line, in another thread. Reading begins with begin().
+
+        `hand_over` are file descriptors of this process that it gets too, under the same numbers.
+        """
         self.command = tuple(command)
         self.name = name
         self.stopped = False  # whether stop() ended it
@@ -56,6 +60,7 @@ class Process:
                 stdin=subprocess.DEVNULL,
                 stdout=theirs,
                 stderr=subprocess.STDOUT,
+                pass_fds=hand_over,
                 start_new_session=True,  # an interrupt of the notebook is not one of the process
             )
         except OSError as error:

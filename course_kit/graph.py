@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from rclpy.node import Node
+from rclpy.duration import Duration
+from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from course_kit.graph_data import EVERY_NODES_SERVICES, EVERYWHERE, Channel, Endpoint, GraphNode, Qos, Snapshot
 
 NamesAndTypes = dict[str, list[str]]
 ACTION_PARTS = ("/_action/send_goal", "/_action/cancel_goal", "/_action/get_result")
@@ -125,3 +131,73 @@ def action_clients_and_servers(node: Node, action: str) -> tuple[list[tuple[str,
         if action in offered.action_servers:
             servers.append((name.full_name, offered.action_servers[action]))
     return clients, servers
+
+
+def snapshot(node: Node, hidden: bool = False, services: bool = False, actions: bool = True) -> Snapshot:
+    """The whole graph as data: nodes and topics with types and QoS, actions and on request services.
+
+    Left out unless `hidden`: names with a leading underscore, and the topics and services that every node has.
+    """
+    there = nodes(node, hidden)
+    counts = Counter(name.full_name for name in there)
+    channels = [_topic(node, name, counts) for name in topics(node, hidden) if hidden or name not in EVERYWHERE]
+    if services or actions:
+        channels += _calls(node, set(there), hidden, services, actions)
+    # A node may have gone, or been found, between two questions: what is left of a channel then is not one.
+    kept = (channel for channel in channels if channel.ends)
+    return Snapshot(tuple(GraphNode(name, count) for name, count in sorted(counts.items())), tuple(sorted(kept)))
+
+
+def _topic(node: Node, topic: str, known: Iterable[str]) -> Channel:
+    sides = publishers(node, topic), subscriptions(node, topic)
+    sources, sinks = (tuple(sorted(_endpoints(side, known))) for side in sides)
+    return Channel("topic", topic, sources, sinks)
+
+
+def _endpoints(infos: Iterable[TopicEndpointInfo], known: Iterable[str]) -> Iterator[Endpoint]:
+    for info in infos:
+        name = NodeName(info.node_name, info.node_namespace).full_name
+        if name in known:  # else it is a hidden node, or one whose name has not come yet
+            yield Endpoint(name, info.topic_type, qos_data(info.qos_profile))
+
+
+def qos_data(profile: QoSProfile) -> Qos:
+    """The policies of a profile that decide whether two ends are connected."""
+    return Qos(
+        profile.reliability.name.lower(),
+        profile.durability.name.lower(),
+        profile.liveliness.name.lower(),
+        _seconds(profile.deadline),
+        _seconds(profile.liveliness_lease_duration),
+    )
+
+
+def _seconds(duration: Duration) -> float:
+    """A duration in seconds; rmw writes "no limit" as 0 or as the longest duration there is."""
+    nanoseconds = duration.nanoseconds
+    return nanoseconds * 1e-9 if 0 < nanoseconds < 2**63 - 1 else math.inf
+
+
+def _calls(node: Node, there: set[NodeName], hidden: bool, services: bool, actions: bool) -> Iterator[Channel]:
+    """The services and actions, put together from what each node offers and uses."""
+    found: dict[tuple[str, str], tuple[list[Endpoint], list[Endpoint]]] = {}
+
+    def note(kind: str, side: int, owner: NodeName, pairs: NamesAndTypes) -> None:
+        for name, types in pairs.items():
+            if kind == "action" or hidden or name.rpartition("/")[2] not in EVERY_NODES_SERVICES:
+                ends = found.setdefault((kind, name), ([], []))
+                ends[side].extend(Endpoint(owner.full_name, type_name) for type_name in types)
+
+    for owner in sorted(there):
+        try:
+            offered = interfaces(node, owner, hidden)
+        except NodeNameNonExistentError:  # it ended meanwhile
+            continue
+        if services:
+            note("service", 0, owner, offered.service_clients)
+            note("service", 1, owner, offered.service_servers)
+        if actions:
+            note("action", 0, owner, offered.action_clients)
+            note("action", 1, owner, offered.action_servers)
+    for (kind, name), (clients, servers) in found.items():
+        yield Channel(kind, name, tuple(sorted(clients)), tuple(sorted(servers)))

@@ -18,8 +18,8 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit import background, spinning, waiting
 from course_kit import context as ros_context
+from course_kit import spinning, waiting
 
 # A wait without a timeout cannot be interrupted in a kernel; many short ones can.
 SLICE = 0.1
@@ -91,7 +91,7 @@ def _spin_until_future_complete(
 
 def _add_node(self: Executor, node: Node) -> bool:
     """Executor.add_node(), which would take a node away from the executor that runs it in the background."""
-    owner = background.executor_of(node)
+    owner = spinning.executor_of(node)
     if owner is not None and owner is not self:
         name = node.get_fully_qualified_name()
         raise spinning.NodeAlreadyRuns(

@@ -41,12 +41,16 @@ def executor_for(node: Node) -> Executor:
     an action client or server: in rclpy 7.1.6 the EventsExecutor crashes when an action client gets an answer that
     was not for it.
     """
+    kind = SingleThreadedExecutor if minds_groups(node) else EventsExecutor
+    return kind(context=node.context)
+
+
+def minds_groups(node: Node) -> bool:
+    """Whether a node needs an executor that looks at callback groups, or has an action."""
     if any(isinstance(waitable, ActionClient | ActionServer) for waitable in node.waitables):
-        return SingleThreadedExecutor()
+        return True
     entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
-    if any(inspect.iscoroutinefunction(entity.callback) for entity in entities):
-        return SingleThreadedExecutor()
-    return EventsExecutor()
+    return any(inspect.iscoroutinefunction(entity.callback) for entity in entities)
 
 
 def destroy(node: Node) -> None:
@@ -122,3 +126,11 @@ _threads: dict[threading.Thread, SpinThread] = {}
 def current() -> SpinThread | None:
     """The SpinThread whose callback is running now, or None outside of callbacks."""
     return _threads.get(threading.current_thread())
+
+
+def executor_of(node: Node) -> Executor | None:
+    """The executor that spins a node in a SpinThread, or None."""
+    for spinning in list(_threads.values()):
+        if spinning.is_alive and node in spinning.executor.get_nodes():
+            return spinning.executor
+    return None

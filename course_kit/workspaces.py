@@ -7,6 +7,7 @@ is; `workspace.start(command)` starts a command as a terminal does in which the 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import time
 from collections.abc import Sequence
@@ -71,11 +72,17 @@ class Workspace:
         """The folders with a package.xml below `src`."""
         return sorted(path.parent.name for path in self.src.rglob("package.xml"))
 
-    def reset(self) -> None:
-        """Make it a fresh one, with an empty `src`. What was in `src` is kept once, in the folder's name + `_before`.
+    def reset(self, *packages: str) -> None:
+        """Make it a fresh one, with an empty `src`; or only these packages of it, as if they had never been there.
 
-        Raises ValueError if there is anything else in the folder: then it may not be a workspace.
+        What was in `src` is kept once, in the folder's name + `_before`. Raises ValueError if there is anything else in
+        the folder (then it may not be a workspace), or if a package's name is none.
         """
+        kept = self.folder.with_name(f"{self.folder.name}_before")
+        if packages:
+            for name in packages:
+                self._reset_package(name, kept)
+            return
         foreign = sorted(path.name for path in self.folder.iterdir() if path.name not in PARTS)
         if foreign:
             raise ValueError(
@@ -84,10 +91,19 @@ class Workspace:
         for name in MADE_BY_COLCON:
             shutil.rmtree(self.folder / name, ignore_errors=True)
         if any(self.src.iterdir()):
-            kept = self.folder.with_name(f"{self.folder.name}_before")
             shutil.rmtree(kept, ignore_errors=True)
             self.src.rename(kept)
         self.src.mkdir(exist_ok=True)
+
+    def _reset_package(self, name: str, kept: Path) -> None:
+        if not re.fullmatch(r"\w[\w-]*", name):
+            raise ValueError(f"{name!r} is no name of a package: nothing is removed")
+        for made in ("build", "install"):
+            shutil.rmtree(self.folder / made / name, ignore_errors=True)
+        if (self.src / name).exists():
+            kept.mkdir(exist_ok=True)
+            shutil.rmtree(kept / name, ignore_errors=True)
+            (self.src / name).rename(kept / name)
 
     def build(self, *arguments: str, check: bool = True) -> Build:
         """Run `colcon build` with these arguments in the workspace; what it says is printed as it comes.
@@ -102,7 +118,7 @@ class Workspace:
                 print(shown, flush=True)
 
         begun = time.monotonic()
-        process = processes.run_through(("colcon", "build", *arguments), self._unsourced(), self.folder, show)
+        process = processes.run_through(("colcon", "build", *arguments), self.unsourced, self.folder, show)
         status = process.wait(processes.KILL_TIMEOUT)
         for package in output.failed:
             output.read_log(package, self._log(package))
@@ -125,15 +141,16 @@ class Workspace:
     @property
     def environment(self) -> dict[str, str]:
         """The environment of a terminal in which `source install/setup.bash` was done, in the workspace."""
-        return sourcing.sourced(self.install / "setup.bash", self._unsourced())
+        return sourcing.sourced(self.install / "setup.bash", self.unsourced)
 
     @property
     def changes(self) -> dict[str, list[str]]:
         """What sourcing adds to the environment: for each variable the new entries."""
-        return sourcing.added(self._unsourced(), self.environment)
+        return sourcing.added(self.unsourced, self.environment)
 
-    def _unsourced(self) -> dict[str, str]:
-        """The environment of a terminal in which the workspace is not sourced, whatever this notebook uses."""
+    @property
+    def unsourced(self) -> dict[str, str]:
+        """The environment of a new terminal, in which the workspace is not sourced, whatever this notebook uses."""
         return sourcing.without(processes.without_kernel(os.environ), self.folder)
 
     def start(self, command: str | Sequence[str], name: str | None = None) -> Process:
@@ -147,7 +164,7 @@ class Workspace:
         kernel is restarted; that is said.
         """
         environment = self.environment
-        changes = sourcing.added(self._unsourced(), environment)
+        changes = sourcing.added(self.unsourced, environment)
         stale = workspace_import.see(self.folder, changes.get("PYTHONPATH", []))
         for name in changes:
             os.environ[name] = environment[name]

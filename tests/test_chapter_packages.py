@@ -30,8 +30,8 @@ def test_a_package_is_built_once_and_then_left_as_it_is(tmp_path, capfd, monkeyp
     workspace = Workspace(tmp_path / "ros2_ws")
     chapter_packages.provide(workspace, "my_interfaces")
     assert "is now in ros2_ws/src" in capfd.readouterr().out
-    code = "from my_interfaces.action import Polygon; print(Polygon.Goal().sides)"
-    used = subprocess.run(["python3", "-c", code], env=workspace.environment, capture_output=True, text=True, timeout=60)
+    command = ["python3", "-c", "from my_interfaces.action import Polygon; print(Polygon.Goal().sides)"]
+    used = subprocess.run(command, env=workspace.environment, capture_output=True, text=True, timeout=60)
     assert used.stdout == "5\n", used.stderr
     note = workspace.src / "my_interfaces/note.txt"
     note.write_text("mine")
@@ -41,5 +41,5 @@ def test_a_package_is_built_once_and_then_left_as_it_is(tmp_path, capfd, monkeyp
 
 
 def test_a_package_that_no_chapter_makes_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="only my_interfaces"):
+    with pytest.raises(ValueError, match="only my_interfaces$"):
         chapter_packages.provide(Workspace(tmp_path / "ros2_ws"), "my_interface")

@@ -105,12 +105,13 @@ def test_begins_and_ends_as_every_chapter_does(path):
 
 @of_each
 def test_every_exercise_has_a_cell_for_its_answer(path):
-    roles = {"exercise": [], "answer": []}
+    roles = {"exercise": [], "answer": [], "check": []}
     for cell in cells(path):
         mark = cell.metadata.get("course_kit")
         if mark:
             roles[mark["role"]].append((mark["exercise"], mark["points"]))
     assert roles["exercise"] == roles["answer"]
+    assert roles["check"] in (roles["exercise"], [])  # some chapters are not checked yet
     assert len(roles["exercise"]) >= 3
 
 

@@ -40,7 +40,8 @@ class RosMetadata(MetadataHookInterface):
         ros = sourced_ros(os.environ)
         metadata["dependencies"] = pins.requirements(with_ros=ros is None)
         has_command = ros is not None and ros.has_package("ros2cli")
-        metadata["scripts"] = {} if has_command else {"ros2": "course_kit.ros2.command:main"}
+        ours = {} if has_command else {"ros2": "course_kit.ros2.command:main"}
+        metadata["scripts"] = {**ours, "course": "course_kit.course_command:main"}
 
 
 class Interfaces(BuildHookInterface):

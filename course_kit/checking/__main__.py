@@ -1,0 +1,25 @@
+"""The checker's process: `python -m course_kit.checking FILE_DESCRIPTOR` serves on that socket until it is closed."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import sys
+
+
+def main() -> None:
+    """Serve. An interrupt is meant for the notebook's cell, not for this process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from course_kit.checking.lines import Lines
+    from course_kit.checking.server import Checker
+
+    lines = Lines(socket.socket(fileno=int(sys.argv[1])))
+    Checker(lines).serve()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(0)  # everything has ended in good order; nothing in rclpy's exit may keep the process
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,159 @@
+"""The notebook's end of the checker: starts it once, asks, obeys meanwhile, and replaces one that is stuck."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import socket
+import sys
+import threading
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from course_kit.checking import stage
+from course_kit.checking.lines import Closed, Lines, Message
+from course_kit.checking.verdict import NOT_LOOKED_AT, Verdict
+from course_kit.child_process import Process
+
+START_TIMEOUT = 20.0  # seconds until the checker answers at all
+GRACE = 6.0  # seconds that a check may take more than its exercise says: discovery before, tidying after
+OBEY_GRACE = 0.5
+MODULE = "course_kit.checking"
+
+
+class Refused(ValueError):  # noqa: N818  (reads as what happened)
+    """The question makes no sense: no such exercise, or a value where none is asked for."""
+
+
+class Stuck(RuntimeError):  # noqa: N818
+    """The checker did not answer in time, or ended."""
+
+
+class Checker:
+    """The checker's process."""
+
+    def __init__(self) -> None:
+        ours, theirs = socket.socketpair()
+        command = [sys.executable, "-m", MODULE, str(theirs.fileno())]
+        try:
+            # In the root folder, where no file of the student's can be taken for a module.
+            self.process = Process(
+                command, "checker", os.environ, folder=Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
+            )
+        finally:
+            theirs.close()
+        self.process.begin()
+        self._lines = Lines(ours)
+
+    @property
+    def is_running(self) -> bool:
+        return self.process.is_running
+
+    def ask(self, exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
+        """Have an exercise checked. Raises Refused, or Stuck."""
+        try:
+            self._lines.send({"check": exercise, "value": value})
+            return self._converse(names)
+        except Closed:
+            raise Stuck("the checker has ended") from None
+
+    def _converse(self, names: Mapping[str, Any]) -> Verdict:
+        deadline = time.monotonic() + START_TIMEOUT
+        while (left := deadline - time.monotonic()) > 0:
+            message = self._lines.receive(left)
+            if message is None:
+                break
+            if "order" in message:
+                self._obey(message, names)
+            elif "begun" in message:
+                deadline = time.monotonic() + float(message["begun"]) + GRACE
+            elif "refused" in message:
+                raise Refused(str(message["refused"]))
+            elif "verdict" in message:
+                return Verdict.from_json(message["verdict"])
+        raise Stuck("the checker did not answer in time")
+
+    def _obey(self, order: Message, names: Mapping[str, Any]) -> None:
+        """Do what is ordered; after its time is over, answer that it did not return and have it end."""
+        done = threading.Event()
+        answer: dict[str, Any] = {}
+
+        def finish(result: dict[str, Any]) -> None:
+            answer.update(result)
+            done.set()
+
+        obeying = stage.Obeying(order, names, finish)
+        if not done.wait(float(order["timeout"])):
+            obeying.interrupt()
+            done.wait(OBEY_GRACE)
+            answer = {"error": "it did not return in time"}
+        self._lines.send({"answer": order["order"], **answer})
+
+    def close(self, patience: float = 4.0) -> None:
+        """End it: it leaves ROS in good order when the socket closes, and is killed if it does not."""
+        self._lines.close()
+        with contextlib.suppress(TimeoutError):
+            self.process.wait(patience)
+            return
+        self.process.stop(0.1)
+
+
+_checker: Checker | None = None
+_lock = threading.Lock()
+
+
+def ask(exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
+    """Have an exercise checked by the checker of this process, which is started if there is none that answers.
+
+    `names` are the notebook's variables. Raises Refused for a question that makes no sense.
+    """
+    with _lock:
+        reason = ""
+        for _ in range(2):
+            try:
+                return _running().ask(exercise, value, names)
+            except Stuck as stuck:
+                reason = str(stuck)
+                _replace()
+            except BaseException:
+                if not isinstance(sys.exc_info()[1], Refused):  # interrupted: what it is doing now is unknown
+                    _replace()
+                raise
+        return Verdict(exercise, "", 0, NOT_LOOKED_AT, note=f"Twice {reason}. Restart the kernel and try again.")
+
+
+def pid() -> int | None:
+    """The process of the checker, if it runs."""
+    return _checker.process.pid if _checker is not None and _checker.is_running else None
+
+
+def _running() -> Checker:
+    global _checker
+    if _checker is not None and not _checker.is_running:
+        _replace()
+    if _checker is None:
+        _checker = Checker()
+        atexit.unregister(close)
+        atexit.register(close)
+    return _checker
+
+
+def _replace() -> None:
+    """End the checker at once; the next question starts another."""
+    global _checker
+    ending, _checker = _checker, None
+    if ending is not None:
+        ending.close(patience=0.0)
+    with contextlib.suppress(Exception):
+        stage.close()
+
+
+def close() -> None:
+    """End the checker, if it runs."""
+    global _checker
+    ending, _checker = _checker, None
+    if ending is not None:
+        ending.close()

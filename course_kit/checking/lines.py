@@ -1,0 +1,84 @@
+"""JSON lines over a socket, both ways: what the notebook and the checker say to each other. Pure: no ROS."""
+
+from __future__ import annotations
+
+import json
+import math
+import select
+import socket
+import threading
+import time
+from typing import Any
+
+Message = dict[str, Any]
+CHUNK = 65536
+LONGEST = 10_000_000  # bytes of one line: a student's value, however big, must not fill the memory
+
+
+class Closed(Exception):  # noqa: N818  (reads as what happened)
+    """The other side has gone."""
+
+
+class Lines:
+    """One end. Any thread sends, one thread receives."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self._socket = end
+        self._rest = b""
+        self._lock = threading.Lock()
+
+    def send(self, message: Message) -> None:
+        """Send one message. Raises Closed if nobody is there to receive it."""
+        with self._lock:
+            try:
+                self._socket.sendall(json.dumps(message).encode() + b"\n")
+            except OSError:
+                raise Closed from None
+
+    def receive(self, timeout: float | None = None) -> Message | None:
+        """The next message; None if none has come after `timeout` seconds. Raises Closed at the end."""
+        deadline = math.inf if timeout is None else time.monotonic() + timeout
+        while b"\n" not in self._rest:
+            left = None if timeout is None else max(0.0, deadline - time.monotonic())
+            if not select.select([self._socket], [], [], left)[0]:
+                return None
+            try:
+                read = self._socket.recv(CHUNK)
+            except OSError:
+                raise Closed from None
+            self._rest += read
+            if not read or len(self._rest) > LONGEST:
+                raise Closed
+        line, _, self._rest = self._rest.partition(b"\n")
+        try:
+            message = json.loads(line)
+        except ValueError:
+            raise Closed from None
+        return message if isinstance(message, dict) else {}
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+def as_json(value: Any) -> Any:
+    """A student's value as JSON has it: sets become sorted lists, arrays lists, messages their fields.
+
+    Raises TypeError for what has no such form, with its type.
+    """
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, dict):
+        return {str(key): as_json(one) for key, one in value.items()}
+    if isinstance(value, set | frozenset):
+        return sorted((as_json(one) for one in value), key=str)
+    if isinstance(value, list | tuple):
+        return [as_json(one) for one in value]
+    if hasattr(value, "get_fields_and_field_types"):
+        return {name: as_json(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if hasattr(value, "tolist"):  # numpy's and the standard library's arrays
+        return as_json(value.tolist())
+    raise TypeError(
+        f"{type(value).__name__} is no plain value: give numbers, texts, lists, sets or dictionaries of them"
+    )

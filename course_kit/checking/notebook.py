@@ -1,0 +1,83 @@
+"""check() in a notebook: asks the checker, shows what it found, keeps the points."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any
+
+from course_kit.checking import client, progress
+from course_kit.checking.lines import as_json
+from course_kit.checking.verdict import NOT_BEGUN, Verdict
+
+STRICT = "COURSE_KIT_STRICT"
+
+
+def check(exercise: str, value: Any = None) -> None:
+    """Check your answer to an exercise, such as `check("topics-1")`, and show what was found.
+
+    `value` is your answer where the exercise asks for a value. Nothing of yours is changed: nodes that run go on.
+    With COURSE_KIT_STRICT=1 in the environment, an answer that is begun and not all right raises AssertionError.
+    """
+    try:
+        verdict = client.ask(exercise, as_json(value), _names())
+    except (client.Refused, TypeError) as error:
+        print(f"check: {error}")
+        _be_strict(str(error))
+        return
+    except Exception as error:  # a check never breaks a student's notebook
+        print(f"check: {exercise} could not be checked: {error}")
+        _be_strict(str(error))
+        return
+    _show(verdict)
+    try:
+        progress.record(verdict)
+    except OSError as error:
+        print(f"check: your points could not be kept: {error}")
+    if verdict.state != NOT_BEGUN and not verdict.is_full:
+        _be_strict(str(verdict))
+
+
+def _be_strict(reason: str) -> None:
+    if os.environ.get(STRICT) == "1":
+        raise AssertionError(reason)
+
+
+def _names() -> dict[str, Any]:
+    """The variables of the notebook, or of the program that was started."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    return shell.user_ns if shell is not None else vars(sys.modules["__main__"])
+
+
+class _Shown:
+    """A verdict as it is displayed."""
+
+    def __init__(self, verdict: Verdict) -> None:
+        self._verdict = verdict
+
+    def __repr__(self) -> str:
+        return str(self._verdict)
+
+    def _repr_html_(self) -> str:
+        return self._verdict.to_html()
+
+
+def _show(verdict: Verdict) -> None:
+    ipython = sys.modules.get("IPython")
+    if ipython is not None and ipython.get_ipython() is not None:
+        from IPython.display import display
+
+        display(_Shown(verdict))
+    else:
+        print(verdict)
+
+
+def load_ipython_extension(shell: Any) -> None:
+    """Register `%progress`. The kernels of the course's environment do so by themselves."""
+
+    def show_progress(line: str) -> progress.Progress:
+        """Show what you have solved, by chapter."""
+        return progress.Progress()
+
+    shell.magics_manager.register_function(show_progress, magic_kind="line", magic_name="progress")

@@ -1,0 +1,111 @@
+"""What a student has solved: a file of theirs that outlives kernels, read and written as a whole. Pure: no ROS.
+
+It lies where programs keep their state: $XDG_STATE_HOME, or ~/.local/state.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from course_kit import exercises
+from course_kit.checking.verdict import LOOKED_AT, Verdict
+
+FOLDER, FILE = "ros2-notebook-course", "progress.json"
+
+
+def path() -> Path:
+    """The file."""
+    state = os.environ.get("XDG_STATE_HOME", "")
+    base = Path(state) if os.path.isabs(state) else Path.home() / ".local" / "state"
+    return base / FOLDER / FILE
+
+
+def load() -> dict[str, int]:
+    """The best points so far, by exercise. What is no such file counts as none."""
+    with contextlib.suppress(OSError, ValueError, TypeError, AttributeError, KeyError, RuntimeError):
+        read = json.loads(path().read_text())
+        return {str(name): int(points) for name, points in read["points"].items()}
+    return {}
+
+
+def record(verdict: Verdict) -> None:
+    """Keep a verdict's points if they are the best so far. Raises OSError where the file cannot be written."""
+    if verdict.state != LOOKED_AT:
+        return
+    try:
+        file = path()
+    except RuntimeError as error:  # there is no home
+        raise OSError(str(error)) from None
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with _alone(file.parent):
+        points = load()
+        if points.get(verdict.exercise, -1) >= verdict.points:
+            return
+        points[verdict.exercise] = verdict.points
+        _write(file, json.dumps({"points": dict(sorted(points.items()))}, indent=1) + "\n")
+
+
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Two notebooks may record at the same time."""
+    with open(folder / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _write(file: Path, text: str) -> None:
+    """All of it or nothing: whoever reads meanwhile finds the old file."""
+    with tempfile.NamedTemporaryFile("w", dir=file.parent, delete=False) as new:
+        new.write(text)
+    os.replace(new.name, file)
+
+
+WIDTH = 20
+
+
+class Progress:
+    """What is solved, by chapter: as text, and in a notebook drawn as bars."""
+
+    def __init__(self, points: dict[str, int] | None = None) -> None:
+        self.points = load() if points is None else points
+
+    def chapters(self) -> list[tuple[str, int, int]]:
+        """(title, points, of how many) of every chapter."""
+        return [
+            (title, sum(self._of(one) for one in asked), sum(one.points for one in asked))
+            for title, asked in ((title, exercises.of_chapter(name)) for name, title in exercises.CHAPTERS.items())
+        ]
+
+    def _of(self, exercise: exercises.Exercise) -> int:
+        return min(exercise.points, self.points.get(exercise.name, 0))
+
+    def __repr__(self) -> str:
+        lines = []
+        for (title, points, of), name in zip(self.chapters(), exercises.CHAPTERS, strict=True):
+            filled = round(WIDTH * points / of) if of else 0
+            lines.append(f"{title:20} {'█' * filled}{'·' * (WIDTH - filled)} {points:3} of {of} points")
+            for one in exercises.of_chapter(name):
+                got = self._of(one)
+                mark = "✔" if got == one.points else "◐" if got else "○"
+                lines.append(f"  {mark} {one.name:12} {one.title:34} {got} of {one.points}   {one.level}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for (title, points, of), name in zip(self.chapters(), exercises.CHAPTERS, strict=True):
+            bar = f"<progress max='{of}' value='{points}'></progress>"
+            rows.append(f"<tr><th style='text-align:left'>{title}</th><td>{bar}</td><td>{points} of {of}</td></tr>")
+            for one in exercises.of_chapter(name):
+                got = self._of(one)
+                small = f"<progress max='{one.points}' value='{got}' style='width:5em'></progress>"
+                rows.append(
+                    f"<tr><td style='text-align:left'>&emsp;{one.name} · {one.title}</td><td>{small}</td>"
+                    f"<td>{got} of {one.points}</td></tr>"
+                )
+        return f"<table class='course-kit-progress'>{''.join(rows)}</table>"

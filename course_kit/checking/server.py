@@ -1,0 +1,167 @@
+"""The checker's loop: is asked, examines, answers; one request after the other, until the notebook has gone."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import queue
+import threading
+import time
+import traceback
+from typing import Any
+
+from course_kit import exercises
+from course_kit.checking import examination
+from course_kit.checking.domains import reserve_stage
+from course_kit.checking.examination import Ended, Examination, OutOfTime
+from course_kit.checking.lines import Closed, Lines, Message
+from course_kit.checking.station import Heard, Station
+from course_kit.checking.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
+from course_kit.exercises import Exercise
+
+DISCOVERY_TIMEOUT = 3.0
+END_TIMEOUT = 3.0  # seconds for leaving both domains in good order
+
+
+class Checker:
+    """The checker of one notebook."""
+
+    def __init__(self, lines: Lines) -> None:
+        self._lines = lines
+        self._requests: queue.Queue[Message | None] = queue.Queue()
+        self._answers: queue.Queue[Message] = queue.Queue()
+        self._numbers = itertools.count(1)
+        threading.Thread(target=self._read, name="requests", daemon=True).start()
+        self.student = Station(None, only_here=False)
+        self.stage = Station(reserve_stage(), only_here=True)
+        self._watched: dict[str, Heard] = {}
+
+    def _read(self) -> None:
+        """Receive in a thread of its own, so that the notebook's end is seen whatever a check does."""
+        with contextlib.suppress(Closed):
+            while True:
+                message = self._lines.receive()
+                if message is not None:
+                    (self._answers if "answer" in message else self._requests).put(message)
+        self._requests.put(None)
+        time.sleep(END_TIMEOUT)
+        os._exit(1)  # something hangs
+
+    def serve(self) -> None:
+        """Answer requests until there are no more."""
+        while (request := self._requests.get()) is not None:
+            try:
+                self._lines.send(self._answer_to(request))
+            except Closed:
+                break
+        self.stage.close()
+        self.student.close()
+
+    def _answer_to(self, request: Message) -> Message:
+        try:
+            exercise = exercises.find(str(request["check"]))
+        except ValueError as error:
+            return {"refused": str(error)}
+        if request.get("value") is not None and not exercise.value:
+            return {"refused": f'{exercise.name} takes no value: check("{exercise.name}")'}
+        self._lines.send({"begun": exercise.timeout})
+        return {"verdict": self.examine(exercise, request.get("value")).to_json()}
+
+    def examine(self, exercise: Exercise, value: Any) -> Verdict:
+        """Check one exercise."""
+        began = time.monotonic()
+        running = Examination(exercise, self.stage, self.student, self._watched, self._order)
+        state, note = LOOKED_AT, ""
+        examination.begin(running)
+        try:
+            self._watch(exercise.chapter)
+            if self._is_begun(running, value):
+                exercise.check(*([value] if exercise.value else []))
+            else:
+                state, note = NOT_BEGUN, _what_to_do(exercise)
+        except Ended:
+            pass
+        except OutOfTime:
+            what = f" Waited last for {running.waiting_for}." if running.waiting_for else ""
+            hint = f"The check ends after {exercise.timeout:g} s.{what} Does a callback block, or loop without end?"
+            running.findings.append(Finding("comes to an end in time", False, hint))
+        except Closed:
+            raise
+        except Exception as error:
+            state = NOT_LOOKED_AT
+            note = f"The check itself failed, which is a mistake of the course: {error!r}"
+            traceback.print_exc()
+        finally:
+            examination.begin(None)
+            self._tidy(running)
+        return Verdict(
+            exercise.name,
+            exercise.title,
+            exercise.points,
+            state,
+            tuple(running.findings) if state == LOOKED_AT else (),
+            note,
+            round(time.monotonic() - began, 3),
+        )
+
+    def _tidy(self, running: Examination) -> None:
+        if running.exercise.node_class:
+            self._order({"do": "stop", "domain": self.stage.domain}, END_TIMEOUT)
+        self.stage.tidy()
+        self.student.tidy()
+
+    def _is_begun(self, running: Examination, value: Any) -> bool:
+        exercise = running.exercise
+        if exercise.value and _says_something(value):
+            return True
+        if exercise.node_class and running.order("has", node_class=exercise.node_class).get("value"):
+            return True
+        if exercise.node is None:
+            return False
+        self.student.known(DISCOVERY_TIMEOUT)
+        if exercise.node not in self.student.their_nodes():
+            return False
+        if exercise.node_class:
+            running.settle(
+                f"there is a class `{exercise.node_class}`",
+                False,
+                f"A node {exercise.node} runs, but this notebook has no class `{exercise.node_class}`. "
+                f"The exercise asks for that name.",
+            )
+        return True
+
+    def _watch(self, chapter: str) -> None:
+        """Listen to what the chapter's exercises watch, from now on."""
+        topics = {topic for one in exercises.of_chapter(chapter) for topic in one.watches}
+        if not topics:
+            return
+        from course_kit.checking.watching import open_watch
+
+        for topic in sorted(topics - self._watched.keys()):
+            self._watched[topic] = open_watch(self.student, topic)
+
+    def _order(self, order: Message, timeout: float) -> dict[str, Any]:
+        """Have the notebook do something. Raises Closed if it has gone."""
+        number = next(self._numbers)
+        self._lines.send({"order": number, "timeout": timeout, **order})
+        deadline = time.monotonic() + timeout + 1.0  # the notebook answers in time even if what it runs does not
+        while (left := deadline - time.monotonic()) > 0:
+            with contextlib.suppress(queue.Empty):
+                answer = self._answers.get(timeout=left)
+                if answer["answer"] == number:
+                    return answer
+        return {"error": "it did not return in time"}
+
+
+def _says_something(value: Any) -> bool:
+    """Whether a value is more than the None, or the tuple of them, of an untouched answer cell."""
+    return any(one is not None for one in value) if isinstance(value, list) and value else value is not None
+
+
+def _what_to_do(exercise: Exercise) -> str:
+    if exercise.node_class:
+        return f"Write the class `{exercise.node_class}` into the cell above and run it, then run this one."
+    if exercise.value:
+        return "Fill in the cell above and run it, then run this one."
+    return f"No node {exercise.node} runs. Write the cell above and run it, then run this one."

@@ -1,0 +1,24 @@
+"""The command `course`: `course progress` shows what is solved."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; return its exit status."""
+    parser = argparse.ArgumentParser(prog="course", description="The course on ROS 2 in notebooks.")
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="progress")
+    shown = verbs.add_parser("progress", help="what you have solved, by chapter")
+    shown.add_argument("--json", action="store_true", help="the points as JSON: {exercise: points}")
+    chosen = parser.parse_args(arguments)
+    from course_kit.checking import progress
+
+    print(json.dumps(progress.load()) if chosen.json else progress.Progress())
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

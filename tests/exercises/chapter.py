@@ -1,0 +1,127 @@
+"""A chapter's notebook in a real kernel, with answers put into its exercises one after another."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import nbformat
+
+from tests.kernel import Kernel
+
+FOLDER = Path(__file__).parents[2] / "notebooks"
+CELL_TIMEOUT = 90.0
+CHECK_TIMEOUT = 150.0
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """An answer that a student would give, the points it must get and words of the hint that it must get."""
+
+    name: str
+    source: str
+    points: int
+    hint: str
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The answers to one exercise."""
+
+    exercise: str
+    points: int
+    reference: str
+    wrong: list[Wrong] = field(default_factory=list)
+
+
+class Chapter:
+    """A chapter's notebook, run up to its exercises."""
+
+    def __init__(self, kernel: Kernel, path: Path) -> None:
+        self.kernel = kernel
+        self.cells = {cell.id: cell for cell in nbformat.read(path, as_version=4).cells}
+        self._by_role = {
+            (cell.metadata.course_kit.role, cell.metadata.course_kit.exercise): cell
+            for cell in self.cells.values()
+            if "course_kit" in cell.metadata
+        }
+
+    def run_chapter(self) -> None:
+        """Run every code cell that belongs to no exercise."""
+        for cell in self.cells.values():
+            if cell.cell_type == "code" and "course_kit" not in cell.metadata:
+                self.kernel.run(cell.source, CELL_TIMEOUT)
+
+    def source(self, role: str, exercise: str) -> str:
+        return str(self._by_role[role, exercise].source)
+
+    def committed(self, exercise: str) -> str:
+        """The output of the check cell as it is committed."""
+        outputs = self._by_role["check", exercise].outputs
+        return "\n".join(output["data"]["text/plain"] for output in outputs)
+
+    def answer(self, exercise: str, source: str) -> str:
+        """Put an answer into the answer cell, run it and the check cell; return what the check showed."""
+        self.kernel.finish(self.kernel.send(source), CELL_TIMEOUT)  # it may raise, as a student's does
+        return self.check(exercise)
+
+    def check(self, exercise: str) -> str:
+        """Run the check cell; return what it showed."""
+        cell = self.kernel.run(self.source("check", exercise), CHECK_TIMEOUT)
+        displayed = [m["content"]["data"] for m in self.kernel.of(cell) if m["msg_type"] == "display_data"]
+        assert len(displayed) == 1, self.kernel.text(cell)
+        return str(displayed[0]["text/plain"]).strip()
+
+
+@contextmanager
+def chapter(name: str) -> Iterator[Chapter]:
+    """A chapter's kernel, in a state folder of its own, run up to the exercises."""
+    path = next(iter([*FOLDER.glob(f"{name}.ipynb"), *FOLDER.glob(f"drafts/{name}.ipynb")]))
+    with tempfile.TemporaryDirectory() as state:
+        before = os.environ.get("XDG_STATE_HOME")
+        os.environ["XDG_STATE_HOME"] = state
+        try:
+            kernel = Kernel()
+        finally:
+            if before is None:
+                del os.environ["XDG_STATE_HOME"]
+            else:
+                os.environ["XDG_STATE_HOME"] = before
+        try:
+            made = Chapter(kernel, path)
+            made.run_chapter()
+            kernel.run("from course_kit import check")  # stands in the first check cell, which a test may leave out
+            yield made
+        finally:
+            kernel.close()
+
+
+def expected(answers: list[Answers]) -> list:
+    """The parameters of a test for each answer: (exercise, name, source, points, of, hint)."""
+    import pytest
+
+    rows = []
+    for one in answers:
+        for wrong in one.wrong:
+            row = (one.exercise, wrong.source, wrong.points, one.points, wrong.hint)
+            rows.append(pytest.param(*row, id=f"{one.exercise}-{wrong.name}"))
+        rows.append(
+            pytest.param(one.exercise, one.reference, one.points, one.points, "", id=f"{one.exercise}-reference")
+        )
+    return rows
+
+
+def judge(shown: str, points: int, of: int, hint: str) -> None:
+    """What a check showed has these points, and the hint if there is one."""
+    word = "point" if of == 1 else "points"
+    heading = shown.splitlines()[0]
+    assert heading.endswith(f": {points} of {of} {word}"), shown
+    if hint:
+        assert "✘" in shown, shown
+        assert hint in shown, shown
+    else:
+        assert "✘" not in shown, shown

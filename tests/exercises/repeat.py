@@ -1,0 +1,68 @@
+"""Every answer of a chapter checked many times beside busy processes; counts the wrong verdicts.
+
+.venv/bin/python -m tests.exercises.repeat 04_services services --times 20 --busy 2 [--only services-4]
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib
+import subprocess
+import sys
+import time
+from collections import Counter
+
+from tests.domains import use_own_domain
+from tests.exercises.chapter import Answers, Chapter, chapter, judge
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("notebook")
+    parser.add_argument("answers")
+    parser.add_argument("--times", type=int, default=20)
+    parser.add_argument("--busy", type=int, default=2, help="processes that keep a core busy each")
+    parser.add_argument("--only", default="", help="exercises whose names begin so")
+    parser.add_argument("--reference", action="store_true", help="the right answers only")
+    chosen = parser.parse_args()
+    use_own_domain()
+    answers = importlib.import_module(f"tests.exercises.answers_{chosen.answers}").ANSWERS
+    answers = [one for one in answers if one.exercise.startswith(chosen.only)]
+    with chapter(chosen.notebook) as notebook, _busy(chosen.busy):
+        wrong, count = _repeat(notebook, answers, chosen.times, chosen.reference)
+    print(f"{count} checks, {sum(wrong.values())} wrong verdicts {dict(wrong)}")
+    return bool(wrong)
+
+
+@contextlib.contextmanager
+def _busy(count: int):
+    processes = [subprocess.Popen([sys.executable, "-S", "-c", "while True: pass"]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+def _repeat(notebook: Chapter, answers: list[Answers], times: int, only_reference: bool) -> tuple[Counter[str], int]:
+    wrong: Counter[str] = Counter()
+    count = 0
+    for turn in range(times):
+        began = time.monotonic()
+        for one in answers:
+            sources = [] if only_reference else [(w.name, w.source, w.points, w.hint) for w in one.wrong]
+            for name, source, points, hint in [*sources, ("reference", one.reference, one.points, "")]:
+                count += 1
+                try:
+                    judge(notebook.answer(one.exercise, source), points, one.points, hint)
+                except AssertionError as error:
+                    wrong[f"{one.exercise}-{name}"] += 1
+                    print(error, flush=True)
+        print(f"turn {turn + 1}: {time.monotonic() - began:.0f} s", flush=True)
+    return wrong, count
+
+
+if __name__ == "__main__":
+    sys.exit(main())

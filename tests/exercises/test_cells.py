@@ -1,0 +1,34 @@
+"""The cells of every exercise say the same as its declaration, and its check cell is committed as not begun."""
+
+from __future__ import annotations
+
+import nbformat
+import pytest
+
+from course_kit import exercises
+from tests.exercises.chapter import FOLDER
+
+PATHS = [*sorted(FOLDER.glob("[0-9][0-9]_*.ipynb")), *sorted(FOLDER.glob("drafts/[0-9][0-9]_*.ipynb"))]
+CELLS = {
+    (cell.metadata.course_kit.role, cell.metadata.course_kit.exercise): cell
+    for path in PATHS
+    for cell in nbformat.read(path, as_version=4).cells
+    if "course_kit" in cell.metadata
+}
+
+
+@pytest.mark.parametrize("exercise", exercises.every(), ids=lambda one: one.name)
+def test_the_cells_say_what_the_declaration_says(exercise: exercises.Exercise):
+    text = CELLS["exercise", exercise.name].source
+    number = exercise.name.rsplit("-", 1)[1]
+    word = "point" if exercise.points == 1 else "points"
+    stated = f"*{exercise.level.capitalize()}, about {exercise.minutes} minutes, {exercise.points} {word}*"
+    assert text.splitlines()[:2] == [f"### Exercise {number} · {exercise.title}", stated]
+    if exercise.node_class:
+        assert f"`{exercise.node_class}`" in text
+    for role in ("exercise", "answer", "check"):
+        assert CELLS[role, exercise.name].metadata.course_kit.points == exercise.points
+    check = CELLS["check", exercise.name]
+    assert check.source.endswith(")") and f'check("{exercise.name}"' in check.source
+    assert "nbval-ignore-output" not in check.metadata.get("tags", [])
+    assert check.outputs[0]["data"]["text/plain"].splitlines()[0].endswith(": not begun")

@@ -1,0 +1,168 @@
+"""Verdicts, values and paths: the parts of the checks that need no ROS."""
+
+from __future__ import annotations
+
+import math
+import socket
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from course_kit import course_command, exercises
+from course_kit.checking import paths, progress
+from course_kit.checking.lines import Closed, Lines, as_json
+from course_kit.checking.verdict import NOT_BEGUN, Finding, Verdict, in_code
+
+Pose = namedtuple("Pose", "x y theta")
+HALF = Verdict(
+    "topics-1",
+    "Count down",
+    2,
+    findings=(
+        Finding("its node is `/countdown`", True),
+        Finding("counts", True, of=1),
+        Finding("rate", False, "1 Hz", 1),
+    ),
+)
+
+
+def test_a_verdict_says_points_marks_and_hints():
+    assert str(HALF).splitlines() == [
+        "topics-1 · Count down: 1 of 2 points",
+        "✔ its node is `/countdown`",
+        "✔ counts (1 of 1 point)",
+        "✘ rate (0 of 1 point)",
+        "    1 Hz",
+    ]
+    assert HALF.hints == ["1 Hz"] and not HALF.is_full
+
+
+def test_a_verdict_survives_json():
+    assert Verdict.from_json(HALF.to_json()) == HALF
+
+
+def test_html_escapes_what_a_student_wrote():
+    assert in_code("`<b>` is") == "<code>&lt;b&gt;</code> is"
+    assert in_code("a ` alone <i>") == "a ` alone &lt;i&gt;"
+    assert "<script>" not in Verdict("a-1", "A", 1, findings=(Finding("<script>", False, "<script>"),)).to_html()
+
+
+@pytest.mark.parametrize(
+    ("value", "wanted"),
+    [
+        ({"b", "a"}, ["a", "b"]),
+        ((1, None), [1, None]),
+        (np.float32(0.5), 0.5),
+        (np.arange(3), [0, 1, 2]),
+        (math.nan, "nan"),
+        ({1: [True]}, {"1": [True]}),
+    ],
+)
+def test_values_become_json(value, wanted):
+    assert as_json(value) == wanted
+
+
+def test_a_value_that_is_none_of_these_is_refused():
+    with pytest.raises(TypeError, match="object is no plain value"):
+        as_json([object()])
+
+
+def test_lines_carry_messages_and_notice_the_end():
+    ours, theirs = socket.socketpair()
+    one, other = Lines(ours), Lines(theirs)
+    one.send({"a": 1})
+    one.send({"b": "ü\n"})
+    assert other.receive(1) == {"a": 1} and other.receive(1) == {"b": "ü\n"}
+    assert other.receive(0.01) is None
+    theirs.sendall(b"no json\n")
+    with pytest.raises(Closed):
+        one.receive(1)
+    ours.close()
+    with pytest.raises(Closed):
+        other.receive(1)
+
+
+def circle(turns: float, radius: float, x: float = 0.0, y: float = 0.0, heading: float = 0.0) -> list[Pose]:
+    """Poses along a circle; negative turns go to the right."""
+    side = math.copysign(1.0, turns)
+    steps = np.linspace(0.0, turns * math.tau, 200)
+    return [
+        Pose(
+            x + side * radius * (math.sin(heading + a) - math.sin(heading)),
+            y - side * radius * (math.cos(heading + a) - math.cos(heading)),
+            math.remainder(heading + a, math.tau),
+        )
+        for a in steps
+    ]
+
+
+def test_a_figure_of_eight_has_two_loops_of_opposite_sense():
+    first, second = paths.two_loops([*circle(1, 1.0), *circle(-1, 1.0)])
+    assert first.turned == pytest.approx(math.tau, abs=1e-6)
+    assert second.turned == pytest.approx(-math.tau, abs=1e-6)
+    assert first.length == pytest.approx(second.length, rel=1e-3)
+    assert paths.gap([*circle(1, 1.0), *circle(-1, 1.0)]) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_circle_driven_twice_is_one_loop_and_nothing():
+    first, second = paths.two_loops([*circle(1, 1.0), *circle(1, 1.0)])
+    assert first.turned == pytest.approx(2 * math.tau, abs=1e-6)
+    assert second.turned == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_star_is_closed_and_its_corners_are_72_degrees_apart():
+    corners = paths.star((5.0, 5.0), 4.0)
+    assert corners[0] == pytest.approx((5.0, 9.0)) and corners[-1] == pytest.approx(corners[0])
+    angles = sorted(math.degrees(math.atan2(y - 5.0, x - 5.0)) % 360 for x, y in corners[:5])
+    assert angles == pytest.approx([18, 90, 162, 234, 306])
+
+
+@pytest.fixture
+def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    return tmp_path
+
+
+def test_progress_keeps_the_best_and_nothing_of_what_is_not_begun(state: Path):
+    progress.record(Verdict("topics-1", "", 2, NOT_BEGUN))
+    assert progress.load() == {}
+    full = Verdict("topics-1", "", 2, findings=(Finding("all", True, of=2),))
+    for verdict in (HALF, full, HALF):
+        progress.record(verdict)
+    assert progress.load() == {"topics-1": 2}
+    assert sorted(p.name for p in progress.path().parent.iterdir()) == ["lock", "progress.json"]
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"points": 3}', '{"points": {"a": "x"}}', "\x00"])
+def test_a_broken_progress_file_counts_as_none(state: Path, text: str):
+    progress.path().parent.mkdir(parents=True)
+    progress.path().write_text(text)
+    assert progress.load() == {}
+    progress.record(HALF)
+    assert progress.load() == {"topics-1": 1}
+
+
+def test_the_command_shows_progress_by_chapter(state: Path, capsys: pytest.CaptureFixture[str]):
+    progress.record(HALF)
+    assert course_command.main(["progress"]) == 0
+    shown = capsys.readouterr().out
+    assert "3 · Topics" in shown and "◐ topics-1" in shown and "○ topics-2" in shown
+    assert course_command.main(["progress", "--json"]) == 0
+    assert capsys.readouterr().out == '{"topics-1": 1}\n'
+
+
+@pytest.mark.parametrize("chapter", exercises.CHAPTERS)
+def test_every_chapter_has_four_exercises_from_warm_up_on(chapter: str):
+    asked = exercises.of_chapter(chapter)
+    assert len(asked) >= 4
+    assert [one.name for one in asked] == [f"{chapter}-{number}" for number in range(1, len(asked) + 1)]
+    assert asked[0].level == "warm-up"
+    levels = [exercises.LEVELS.index(one.level) for one in asked]
+    assert levels == sorted(levels)
+
+
+def test_an_exercise_that_is_not_there_is_named_with_what_may_be_meant():
+    with pytest.raises(ValueError, match="Did you mean 'topics-1'"):
+        exercises.find("topic-1")
