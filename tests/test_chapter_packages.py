@@ -41,5 +41,5 @@ def test_a_package_is_built_once_and_then_left_as_it_is(tmp_path, capfd, monkeyp
 
 
 def test_a_package_that_no_chapter_makes_is_refused(tmp_path):
-    with pytest.raises(ValueError, match="only my_interfaces$"):
+    with pytest.raises(ValueError, match=r"only my_interfaces$"):
         chapter_packages.provide(Workspace(tmp_path / "ros2_ws"), "my_interface")
