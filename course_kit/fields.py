@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import importlib
 import re
+import struct
 from collections.abc import Iterable
 from operator import attrgetter
 from typing import Any
@@ -21,14 +22,24 @@ NUMBERS |= {f"{sign}int{bits}": np.dtype(np.int64) for sign in ("", "u") for bit
 NUMBERS |= {name: np.dtype(np.int64) for name in ("int64", "octet", "char")}
 
 
+def is_stamped(message_type: Any) -> bool:
+    """Whether the first field of a type is a std_msgs/Header or a time `stamp`."""
+    first = next(iter(message_type.get_fields_and_field_types().items()), None)
+    return first in (("header", "std_msgs/Header"), ("stamp", "builtin_interfaces/Time"))
+
+
+def stamp_ns(message: bytes) -> int:
+    """The stamp of one serialised message of a stamped type, in nanoseconds."""
+    sec, nanosec = struct.unpack_from("<iI" if message[1] & 1 else ">iI", message, HEADER)
+    return int(sec) * 1_000_000_000 + int(nanosec)
+
+
 def stamps(serialised: Serialised, message_type: Any) -> npt.NDArray[np.float64] | None:
     """The stamps of messages whose first field is a std_msgs/Header or a time `stamp`; None for other types.
 
     Seconds as float64, shape (messages,), read from the bytes without decoding a message.
     """
-    fields = message_type.get_fields_and_field_types()
-    first = next(iter(fields.items()), None)
-    if first not in (("header", "std_msgs/Header"), ("stamp", "builtin_interfaces/Time")):
+    if not is_stamped(message_type):
         return None
     if not len(serialised):
         return np.empty(0)
@@ -70,7 +81,7 @@ def element_type(field_type: str) -> str:
 
 def resolve(message_type: Any, path: str) -> str:
     """The type of a numeric field; ValueError says what is there if it is none."""
-    current, type_name = message_type, _type_name(message_type)
+    current, type_name = message_type, name_of_type(message_type)
     done: list[str] = []
     for name in path.split("."):
         fields = current.get_fields_and_field_types() if current is not None else {}
@@ -78,7 +89,7 @@ def resolve(message_type: Any, path: str) -> str:
             raise ValueError(_no_field(name, done, type_name, fields))
         done.append(name)
         type_name = fields[name]
-        current = _nested(type_name)
+        current = nested(type_name)
     if current is not None:
         inside = list(current.get_fields_and_field_types())
         raise ValueError(
@@ -101,7 +112,7 @@ def _no_field(name: str, done: list[str], type_name: str, fields: dict[str, str]
     return f"{where} has no field {name!r}; it has {', '.join(fields)}.{hint}"
 
 
-def _nested(type_name: str) -> Any:
+def nested(type_name: str) -> Any:
     """The class of a nested message type such as 'geometry_msgs/Point', or None for anything else."""
     if not re.fullmatch(r"\w+/\w+", type_name):
         return None
@@ -109,6 +120,7 @@ def _nested(type_name: str) -> Any:
     return getattr(importlib.import_module(f"{package}.msg"), name)
 
 
-def _type_name(message_type: Any) -> str:
+def name_of_type(message_type: Any) -> str:
+    """The name of a message class, such as 'std_msgs/msg/String'."""
     package, kind = message_type.__module__.split(".")[:2]
     return f"{package}/{kind}/{message_type.__name__}"

@@ -26,11 +26,14 @@ class Spread:
     std: float
 
 
+NO_SPREAD = Spread(math.nan, math.nan, math.nan, math.nan)
+
+
 def spread(values: npt.ArrayLike) -> Spread:
     """The spread of some numbers, in their unit."""
     array = np.asarray(values, np.float64)
     if not array.size:
-        return Spread(math.nan, math.nan, math.nan, math.nan)
+        return NO_SPREAD
     return Spread(float(array.mean()), float(array.min()), float(array.max()), float(array.std()))
 
 
@@ -46,6 +49,7 @@ class Reading:
     bandwidth: float  # bytes a second
     age: float  # seconds since the last message
     lost: int = 0  # messages that the middleware noticed missing
+    delay: Spread = NO_SPREAD  # seconds from the stamp to the receipt, of messages that have a stamp
 
 
 def measure(receive_ns: Int64s, sizes: Int64s, total: int | None = None, now_ns: int | None = None) -> Reading:

@@ -44,7 +44,7 @@ def plot_pose(recorded: Recording | TopicRecording, title: str | None = None) ->
     for colour, (topic, of_topic) in zip(COLOURS, tracks.items(), strict=False):
         _draw_path(field, of_topic, colour, topic if len(tracks) > 1 else "path")
         turned_over = np.abs(np.diff(of_topic.heading)) > np.pi
-        heading.plot(_broken(of_topic.times, turned_over), _broken(of_topic.heading, turned_over), color=colour)
+        heading.plot(broken(of_topic.times, turned_over), broken(of_topic.heading, turned_over), color=colour)
         linear.plot(of_topic.times, of_topic.linear, color=colour)
         angular.plot(of_topic.times, of_topic.angular, color=colour)
     field.plot([], [], **START, markeredgecolor=FAINT, linestyle="", label="start")
@@ -81,14 +81,14 @@ def _empty(names: list[str]) -> str:
     return f"the recording of {', '.join(names)} is empty: no message came. Was its publisher running meanwhile?"
 
 
-def _broken(line: npt.NDArray[Any], after: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
+def broken(line: npt.NDArray[Any], after: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:
     """The line with a gap after each element marked in `after`."""
     return np.insert(np.asarray(line, np.float64), np.flatnonzero(after) + 1, np.nan)
 
 
 def _draw_path(axes: Axes, of_topic: Track, colour: str, label: str) -> None:
     x, y, heading, jumps = of_topic.x, of_topic.y, of_topic.heading, of_topic.jumps
-    axes.plot(_broken(x, jumps), _broken(y, jumps), color=colour, linewidth=1.8, label=label)
+    axes.plot(broken(x, jumps), broken(y, jumps), color=colour, linewidth=1.8, label=label)
     axes.plot(x[:1], y[:1], **START, markeredgecolor=colour)
     axes.plot(x[-1:], y[-1:], **END, markerfacecolor=colour)
     way = np.concatenate([[0.0], np.cumsum(np.where(jumps, 0.0, np.hypot(np.diff(x), np.diff(y))))])
@@ -124,7 +124,7 @@ def plot_rates(*measured: Recording | TopicRecording | RateMeter, title: str | N
 
     Takes recordings and rate meters, one or more. Raises ValueError if no topic has two messages.
     """
-    arrivals = _arrivals(measured)
+    arrivals = arrivals_of(measured)
     silent = [name for name, receive_ns in arrivals.items() if len(receive_ns) < 2]
     drawn = {name: receive_ns for name, receive_ns in arrivals.items() if name not in silent}
     if not drawn:
@@ -143,7 +143,7 @@ def plot_rates(*measured: Recording | TopicRecording | RateMeter, title: str | N
     return plot
 
 
-def _arrivals(measured: tuple[Recording | TopicRecording | RateMeter, ...]) -> dict[str, Int64s]:
+def arrivals_of(measured: tuple[Recording | TopicRecording | RateMeter, ...]) -> dict[str, Int64s]:
     """When the messages of each topic came; a topic that was measured twice counts its measurements."""
     found: list[tuple[str, Int64s]] = []
     for one in measured:

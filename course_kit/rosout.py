@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 import threading
-from collections import deque
+import time
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
@@ -14,6 +15,7 @@ from rcl_interfaces.msg import Log
 from rclpy.serialization import deserialize_message
 
 from course_kit import errors, instruments
+from course_kit.text import table
 
 LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 KEPT = 5000
@@ -33,8 +35,8 @@ class LogLine:
         return LEVELS.get(self.level, str(self.level))
 
     def __str__(self) -> str:
-        time = datetime.fromtimestamp(self.when).strftime("%H:%M:%S.%f")[:-3]
-        return f"{time} [{self.level_name}] [{self.node}] {self.text}"
+        clock = datetime.fromtimestamp(self.when).strftime("%H:%M:%S.%f")[:-3]
+        return f"{clock} [{self.level_name}] [{self.node}] {self.text}"
 
 
 _lines: deque[LogLine] = deque(maxlen=KEPT)
@@ -49,6 +51,12 @@ def listen(listener: Callable[[LogLine], None]) -> None:
         _listeners.append(listener)
 
 
+def unlisten(listener: Callable[[LogLine], None]) -> None:
+    """Have `listener` called no more."""
+    if listener in _listeners:
+        _listeners.remove(listener)
+
+
 def collect() -> None:
     """Subscribe to /rosout, if that is not done yet: called before the first node starts, so no line is missed."""
     global _subscription
@@ -56,11 +64,15 @@ def collect() -> None:
         _subscription = instruments.subscribe("/rosout", _receive, "rcl_interfaces/msg/Log")
 
 
-def _receive(serialised: bytes, _info: Any) -> None:
-    message = deserialize_message(serialised, Log)
+def line_of(message: Log) -> LogLine:
+    """The line in a message of /rosout."""
     when = message.stamp.sec + message.stamp.nanosec * 1e-9
     # A logger's name separates namespaces by dots; a child logger counts as its node's.
-    line = LogLine(when, message.level, "/" + message.name.replace(".", "/"), message.msg)
+    return LogLine(when, message.level, "/" + message.name.replace(".", "/"), message.msg)
+
+
+def _receive(serialised: bytes, _info: Any) -> None:
+    line = line_of(deserialize_message(serialised, Log))
     if _repeats_an_error(line):
         return
     with _lock:
@@ -95,19 +107,66 @@ def html_line(line: LogLine) -> str:
     return f"<span{style}>{html.escape(str(line))}</span>\n"
 
 
-def logs(node: str | None = None, level: str = "INFO", last: int = 20) -> LogLines:
+def level_number(level: str) -> int:
+    """The number of a level: 10 for DEBUG to 50 for FATAL. ValueError for another word."""
+    numbers = {name: number for number, name in LEVELS.items()}
+    word = str(level).upper()
+    word = "WARN" if word == "WARNING" else word
+    if word not in numbers:
+        raise ValueError(f"there is no log level {level!r}: a node logs DEBUG, INFO, WARN, ERROR or FATAL")
+    return numbers[word]
+
+
+def is_of(line: LogLine, node: str) -> bool:
+    """Whether a line is of a node, given by its name, or of one in that namespace."""
+    wanted = "/" + node.strip("/")
+    return line.node == wanted or line.node.startswith(wanted.rstrip("/") + "/")
+
+
+def logs(node: str | None = None, level: str = "INFO", last: int = 20, text: str = "") -> LogLines:
     """The last log lines of every node of this domain, or of one; errors of callbacks are among them.
 
-    `level` is the lowest shown: DEBUG, INFO, WARN, ERROR or FATAL. Raises ValueError for another word.
+    `level` is the lowest shown: DEBUG, INFO, WARN, ERROR or FATAL. Raises ValueError for another word. With `text`
+    only lines that contain it, in small or capital letters.
     """
-    lowest = {name: number for number, name in LEVELS.items()}.get(level.upper())
-    if lowest is None:
-        raise ValueError(f"there is no log level {level!r}: a node logs DEBUG, INFO, WARN, ERROR or FATAL")
+    lowest = level_number(level)
+    lines = [line for line in _known() if line.level >= lowest and text.lower() in line.text.lower()]
+    if node is not None:
+        lines = [line for line in lines if is_of(line, node)]
+    return LogLines(lines[-last:])
+
+
+def _known() -> list[LogLine]:
+    """All lines that are kept, and the errors of callbacks among them, in the order of their times."""
     collect()
     with _lock:
         lines = list(_lines)
     lines += [LogLine(e.when, 40, e.node, str(e)) for e in errors.errors()]
-    if node is not None:
-        wanted = "/" + node.strip("/")
-        lines = [line for line in lines if line.node == wanted or line.node.startswith(wanted + "/")]
-    return LogLines([line for line in sorted(lines, key=lambda one: one.when) if line.level >= lowest][-last:])
+    return sorted(lines, key=lambda one: one.when)
+
+
+class LogRates(dict[str, tuple[float, dict[str, int]]]):
+    """Lines a second, and lines by level, of each node that logged: `log_rates()['/talker'][0]` is one number."""
+
+    def __repr__(self) -> str:
+        rows: list[tuple[str, ...]] = [("node", "lines/s", *LEVELS.values())]
+        for node, (rate, counts) in sorted(self.items(), key=lambda item: -item[1][0]):
+            rows.append((node, f"{rate:.1f}", *(f"{counts.get(level, 0):,}" for level in LEVELS.values())))
+        return table(rows, left=1) if len(rows) > 1 else "(no node has logged anything lately)"
+
+
+def log_rates(seconds: float = 5.0) -> LogRates:
+    """How much each node logged in the last `seconds`: lines a second, and how many of each level."""
+    if seconds <= 0:
+        raise ValueError(f"seconds={seconds:g} is no span of time: give more than 0")
+    now = time.time()
+    collect()
+    with _lock:
+        lines = list(_lines)
+    if len(lines) == KEPT:  # what came before is not known any more
+        seconds = min(seconds, max(now - lines[0].when, 1e-3))
+    counts: dict[str, Counter[str]] = {}
+    for line in lines:
+        if now - seconds <= line.when <= now + seconds:
+            counts.setdefault(line.node, Counter())[line.level_name] += 1
+    return LogRates({node: (sum(found.values()) / seconds, dict(found)) for node, found in counts.items()})

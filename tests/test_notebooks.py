@@ -1,4 +1,4 @@
-"""Every notebook: its form, and that it runs top to bottom, twice in one kernel, and with loopback as only network."""
+"""Every notebook: its form, and that it runs top to bottom without network, and twice in one kernel."""
 
 from __future__ import annotations
 
@@ -7,23 +7,20 @@ import re
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from course_kit import chapter_packages
+from course_kit.workspaces import Workspace
+
 FOLDER = Path(__file__).parents[1] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
 LOOPBACK_ONLY = ["unshare", "--net", "--", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
 LINES = 15
-
-
-def _each_alone(group: str) -> pytest.MarkDecorator:
-    """A test of every notebook that may run beside all others."""
-    marks = [pytest.param(path, marks=pytest.mark.xdist_group(f"{group}-{path.stem}")) for path in NOTEBOOKS]
-    return pytest.mark.parametrize("path", marks, ids=[path.stem for path in NOTEBOOKS])
-
 
 of_each = pytest.mark.parametrize("path", NOTEBOOKS, ids=[path.stem for path in NOTEBOOKS])
 
@@ -38,37 +35,44 @@ def cells(path: Path) -> list:
     return nbformat.read(path, as_version=4).cells
 
 
-def run_nbval(path: Path, folder: Path, *prefix: str) -> None:
-    """Run a notebook as an instructor would, in a process of its own; AssertionError with its report if it fails."""
-    command = [*prefix, sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0"]
-    done = subprocess.run([*command, path.name], cwd=folder, capture_output=True, text=True, timeout=170)
+@pytest.fixture(scope="session")
+def built(tmp_path_factory) -> Path:
+    """A workspace as chapter 2 leaves it for the later chapters."""
+    workspace = Workspace(tmp_path_factory.mktemp("chapter_2") / "ros2_ws")
+    shutil.copytree(chapter_packages.FOLDER / "my_interfaces", workspace.src / "my_interfaces")
+    workspace.build()
+    return workspace.folder
+
+
+# Each of the two takes one notebook after another: more at once would be slower than a student's machine is.
+@of_each
+@pytest.mark.xdist_group("notebooks with nbval")
+@pytest.mark.timeout(320)
+def test_runs_top_to_bottom_without_network(path, folder):
+    command = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0", path.name]
+    if os.geteuid() == 0 and shutil.which("ip"):
+        command = [*LOOPBACK_ONLY, *command]
+    else:
+        warnings.warn("run with the network: to be without it takes root and the command ip", stacklevel=1)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
     count = sum(cell.cell_type == "code" for cell in cells(path))
     assert f"{count} passed" in done.stdout, done.stdout[-2000:]
 
 
-@_each_alone("nbval")
-@pytest.mark.timeout(180)
-def test_runs_top_to_bottom(path, folder):
-    run_nbval(path, folder)
-
-
-@_each_alone("loopback")
-@pytest.mark.timeout(180)
-def test_runs_with_loopback_as_the_only_network(path, folder):
-    if os.geteuid() != 0 or not shutil.which("ip"):
-        pytest.skip("a network namespace needs root and the command ip")
-    run_nbval(path, folder, *LOOPBACK_ONLY)
-
-
-@_each_alone("twice")
-@pytest.mark.timeout(240)
-def test_runs_twice_in_one_kernel(path, folder):
+@of_each
+@pytest.mark.xdist_group("notebooks twice")
+@pytest.mark.timeout(420)
+def test_runs_twice_in_one_kernel_after_chapter_2(path, folder, built):
+    if path.stem != "02_workspace":
+        for part in ("src", "install"):
+            shutil.copytree(built / part, folder / "ros2_ws" / part, symlinks=True)
     notebook = nbformat.read(path, as_version=4)
     notebook.cells = [*notebook.cells, *(cell.copy() for cell in notebook.cells)]
     for number, cell in enumerate(notebook.cells):
         cell.id = f"{cell.id}-{number}"
-    NotebookClient(notebook, timeout=60, kernel_name="python3", resources={"metadata": {"path": str(folder)}}).execute()
+    resources = {"metadata": {"path": str(folder)}}
+    NotebookClient(notebook, timeout=120, kernel_name="python3", resources=resources).execute()
 
 
 @of_each

@@ -344,9 +344,11 @@ def test_playing_offers_the_recorded_profiles(tmp_path: Path) -> None:
     with bag_command("play", str(folder), "--start-paused") as run:
         run.until("Playback until")
         node = instruments.node()
-        named = ["/rosbag2_player"]  # the graph learns a publisher first, then its node's name
-        for topic in ("/kept", "/sensor"):
-            wait_until(lambda topic=topic: [*map(topics.node_name, topics.publishers(node, topic))] == named)
+
+        def named(topic: str) -> list[str]:  # the graph learns a publisher first, then its node's name
+            return [*map(topics.node_name, topics.publishers(node, topic))]
+
+        wait_until(lambda: named("/kept") == named("/sensor") == ["/rosbag2_player"])
         (latched,), (best_effort,) = topics.publishers(node, "/kept"), topics.publishers(node, "/sensor")
         assert latched.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         assert best_effort.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT

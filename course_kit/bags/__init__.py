@@ -73,6 +73,19 @@ class BagRecording:
         self.stop()
 
 
+def new_folder(path: str | os.PathLike[str], overwrite: bool) -> Path:
+    """The path of a bag that is to be written; one that is there is removed if `overwrite`.
+
+    Raises FileExistsError otherwise, and for a folder that is no bag.
+    """
+    folder = Path(path)
+    if folder.exists():
+        if not (overwrite and folder.is_dir() and storage_files(folder)):
+            raise FileExistsError(f"Output folder '{path}' already exists.")
+        shutil.rmtree(folder)
+    return folder
+
+
 def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", overwrite: bool = False) -> BagRecording:
     """Record topics, all of them if none is named, into a new bag from now on; also topics that appear later.
 
@@ -85,11 +98,7 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
     if storage not in FILES:
         raise ValueError(f"storage is one of {', '.join(FILES)}, not {storage!r}")
     wanted = [topics.absolute(name) for name in names]
-    folder = Path(path)
-    if folder.exists():
-        if not (overwrite and folder.is_dir() and storage_files(folder)):
-            raise FileExistsError(f"Output folder '{path}' already exists.")
-        shutil.rmtree(folder)
+    folder = new_folder(path, overwrite)
     selection = Selection(names=wanted, every=not wanted)
     recorder = Recorder(BagWriter(folder, storage), selection)
     try:
