@@ -241,8 +241,8 @@ given() {
 
 run_tests() {
     local python=$venv/bin/python failed=0 beside=()
-    # Most tests wait for ROS most of the time, so there are more of them at once than cores.
-    (($#)) || beside=(--numprocesses "$((2 * $(nproc)))" --maxprocesses 8 --dist loadgroup)
+    # Most tests wait for ROS most of the time, so there is one more of them at once than there are cores.
+    (($#)) || beside=(--numprocesses "$(($(nproc) + 1))" --maxprocesses 8 --dist loadgroup)
     "$python" -m ruff check || failed=1
     "$python" -m ruff format --check || failed=1
     "$python" -m mypy || failed=1

@@ -85,10 +85,11 @@ def test_the_turtle_is_driven_by_buttons_and_by_keys(lab):
     lab.close_notebook()
 
 
+@pytest.mark.timeout(420)
 @pytest.mark.parametrize("notebook", sorted(path.name for path in NOTEBOOKS.glob("[0-9][0-9]_*.ipynb")))
 def test_a_chapter_runs_in_the_browser(lab, notebook):
     lab.open(notebook)
-    lab.run_all(timeout=180)
+    lab.run_all(timeout=400)
     assert lab.errors() == []
     if folder := os.environ.get("COURSE_SCREENSHOTS"):
         last = lab.page.evaluate("() => window.jupyterapp.shell.currentWidget.content.widgets.length") - 1
