@@ -1,12 +1,14 @@
 """Makes the rclpy calls that a notebook would trip over safe in it; everything else of rclpy stays as it is.
 
 rclpy.init() may come twice and leaves Ctrl-C to the cell; rclpy.spin() and its relatives can be interrupted and
-refuse a node that runs in the background; a blocking call in a callback fails at once in place of hanging.
+refuse a node that runs in the background; a blocking call in a callback fails at once in place of hanging; an answer
+to an action client is not lost when it is faster than the cell that asked.
 """
 
 from __future__ import annotations
 
 import functools
+import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -42,6 +44,9 @@ def install() -> None:
     setattr(Executor, "add_node", _add_node)  # noqa: B010  (mypy would take it for a mistake)
     setattr(Client, "call", _refusing(Client.call, "client.call()"))  # noqa: B010
     setattr(ActionClient, "send_goal", _refusing(ActionClient.send_goal, "send_goal()"))  # noqa: B010
+    for request in ("send_goal_async", "_cancel_goal_async", "_get_result_async"):
+        setattr(ActionClient, request, _sending(getattr(ActionClient, request)))
+    setattr(ActionClient, "execute", _execute)  # noqa: B010
 
 
 _plain_init = rclpy.init
@@ -124,3 +129,30 @@ def _belongs_to_this_thread(client: Any) -> bool:
         return False
     nodes = current.executor.get_nodes()
     return getattr(client, "_node", None) in nodes or any(client in node.clients for node in nodes)
+
+
+# An action client sends a request first and notes it down then. Where a cell sends and another thread spins, the answer
+# can come in between: it is dropped as unexpected, and the future stays open for ever. A Client has a lock against it.
+_sends = threading.RLock()
+
+
+def _sending(method: Callable[..., Any]) -> Callable[..., Any]:
+    """A request of an action client, during which no answer is looked at."""
+
+    @functools.wraps(method)
+    def guarded(self: ActionClient, *args: Any, **kwargs: Any) -> Any:
+        with _sends:
+            return method(self, *args, **kwargs)
+
+    return guarded
+
+
+_plain_execute = ActionClient.execute
+
+
+@functools.wraps(_plain_execute)
+async def _execute(self: ActionClient, taken_data: Any) -> None:
+    """ActionClient.execute(), after what is being sent."""
+    with _sends:
+        pass
+    await _plain_execute(self, taken_data)

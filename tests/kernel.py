@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable
+from pathlib import Path
 from queue import Empty
 from typing import Any
 
@@ -16,9 +17,10 @@ Message = dict[str, Any]
 class Kernel:
     """One kernel with its client; every message that it published is kept."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: Path | None = None) -> None:
+        """`folder` is where it runs, if not here."""
         self.manager = KernelManager(kernel_name="python3")
-        self.manager.start_kernel()
+        self.manager.start_kernel(**({"cwd": str(folder)} if folder else {}))
         self.connect()
 
     def connect(self) -> None:

@@ -10,7 +10,7 @@ import sys
 
 def main() -> None:
     """Serve. An interrupt is meant for the notebook's cell, not for this process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, lambda *_: None)  # not SIG_IGN, which the programs that a check starts would inherit
     from course_kit.checking.lines import Lines
     from course_kit.checking.server import Checker
 

@@ -13,10 +13,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from course_kit import sourcing
 from course_kit.checking import stage
 from course_kit.checking.lines import Closed, Lines, Message
 from course_kit.checking.verdict import NOT_LOOKED_AT, Verdict
 from course_kit.child_process import Process
+from course_kit.environment.activation import split_paths
 
 START_TIMEOUT = 20.0  # seconds until the checker answers at all
 GRACE = 6.0  # seconds that a check may take more than its exercise says: discovery before, tidying after
@@ -41,7 +43,7 @@ class Checker:
         try:
             # In the root folder, where no file of the student's can be taken for a module.
             self.process = Process(
-                command, "checker", os.environ, folder=Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
+                command, "checker", _own_environment(), folder=Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
             )
         finally:
             theirs.close()
@@ -55,7 +57,7 @@ class Checker:
     def ask(self, exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
         """Have an exercise checked. Raises Refused, or Stuck."""
         try:
-            self._lines.send({"check": exercise, "value": value})
+            self._lines.send({"check": exercise, "value": value, "folder": os.getcwd()})
             return self._converse(names)
         except Closed:
             raise Stuck("the checker has ended") from None
@@ -70,6 +72,8 @@ class Checker:
                 self._obey(message, names)
             elif "begun" in message:
                 deadline = time.monotonic() + float(message["begun"]) + GRACE
+                if "says" in message:  # of what has to be done once, and takes a while
+                    print(message["says"], flush=True)
             elif "refused" in message:
                 raise Refused(str(message["refused"]))
             elif "verdict" in message:
@@ -99,6 +103,14 @@ class Checker:
             self.process.wait(patience)
             return
         self.process.stop(0.1)
+
+
+def _own_environment() -> dict[str, str]:
+    """The notebook's environment without the workspaces that it uses: nothing of a student's is loaded here."""
+    environment = dict(os.environ)
+    for folder in split_paths(environment.get("COLCON_PREFIX_PATH", "")):
+        environment = sourcing.without(environment, Path(folder))
+    return environment
 
 
 _checker: Checker | None = None

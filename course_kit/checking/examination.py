@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from course_kit.checking.station import Heard, Station
@@ -11,6 +12,7 @@ from course_kit.checking.verdict import Finding
 from course_kit.exercises import Exercise
 
 POLL = 0.005
+WORKSPACE = "ros2_ws"  # the chapter's, beside the notebook
 ORDER_TIMEOUT = 3.0  # seconds for what the notebook's side does at once, even on a busy machine
 
 
@@ -32,15 +34,24 @@ class Examination:
         student: Station,
         watched: dict[str, Heard],
         order: Callable[[dict[str, Any], float], dict[str, Any]],
+        folder: Path = Path("/"),
     ) -> None:
         self.exercise = exercise
         self.stage = stage  # a domain of the checker's, where a student's class is made anew
         self.student = student  # the domain in which the student's nodes run
         self.watched = watched  # what was heard in the student's domain since the chapter's first check, by topic
+        # In which the notebook runs; a cell may have gone into the workspace with %cd.
+        inside = folder.parts.index(WORKSPACE) if WORKSPACE in folder.parts else len(folder.parts)
+        self.folder = Path(*folder.parts[:inside])
+        self.ending: list[Callable[[], Any]] = []  # what ends with the check, besides what the stations know
         self.findings: list[Finding] = []
         self.waiting_for = ""
         self._order = order
-        self._deadline = time.monotonic() + exercise.timeout
+        self.begin_again()
+
+    def begin_again(self) -> None:
+        """Let the exercise's time begin now."""
+        self._deadline = time.monotonic() + self.exercise.timeout
 
     # What was found.
 

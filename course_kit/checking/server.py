@@ -9,12 +9,13 @@ import queue
 import threading
 import time
 import traceback
+from pathlib import Path
 from typing import Any
 
 from course_kit import exercises
-from course_kit.checking import examination
+from course_kit.checking import examination, own_types
 from course_kit.checking.domains import reserve_stage
-from course_kit.checking.examination import Ended, Examination, OutOfTime
+from course_kit.checking.examination import WORKSPACE, Ended, Examination, OutOfTime
 from course_kit.checking.lines import Closed, Lines, Message
 from course_kit.checking.station import Heard, Station
 from course_kit.checking.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
@@ -66,17 +67,18 @@ class Checker:
         if request.get("value") is not None and not exercise.value:
             return {"refused": f'{exercise.name} takes no value: check("{exercise.name}")'}
         self._lines.send({"begun": exercise.timeout})
-        return {"verdict": self.examine(exercise, request.get("value")).to_json()}
+        return {"verdict": self.examine(exercise, request.get("value"), str(request["folder"])).to_json()}
 
-    def examine(self, exercise: Exercise, value: Any) -> Verdict:
-        """Check one exercise."""
+    def examine(self, exercise: Exercise, value: Any, folder: str) -> Verdict:
+        """Check one exercise; `folder` is the notebook's."""
         began = time.monotonic()
-        running = Examination(exercise, self.stage, self.student, self._watched, self._order)
+        running = Examination(exercise, self.stage, self.student, self._watched, self._order, Path(folder))
         state, note = LOOKED_AT, ""
         examination.begin(running)
         try:
             self._watch(exercise.chapter)
             if self._is_begun(running, value):
+                self._provide_types(running)
                 exercise.check(*([value] if exercise.value else []))
             else:
                 state, note = NOT_BEGUN, _what_to_do(exercise)
@@ -86,6 +88,8 @@ class Checker:
             what = f" Waited last for {running.waiting_for}." if running.waiting_for else ""
             hint = f"The check ends after {exercise.timeout:g} s.{what} Does a callback block, or loop without end?"
             running.findings.append(Finding("comes to an end in time", False, hint))
+        except own_types.Uncompiled as error:
+            state, note = NOT_LOOKED_AT, f"The checker has no types of its own: {error}"
         except Closed:
             raise
         except Exception as error:
@@ -106,6 +110,9 @@ class Checker:
         )
 
     def _tidy(self, running: Examination) -> None:
+        for end in reversed(running.ending):
+            with contextlib.suppress(Exception):
+                end()
         if running.exercise.node_class:
             self._order({"do": "stop", "domain": self.stage.domain}, END_TIMEOUT)
         self.stage.tidy()
@@ -116,6 +123,8 @@ class Checker:
         if exercise.value and _says_something(value):
             return True
         if exercise.node_class and running.order("has", node_class=exercise.node_class).get("value"):
+            return True
+        if exercise.file and (running.folder / WORKSPACE / "src" / exercise.file).is_file():
             return True
         if exercise.node is None:
             return False
@@ -130,6 +139,17 @@ class Checker:
                 f"The exercise asks for that name.",
             )
         return True
+
+    def _provide_types(self, running: Examination) -> None:
+        """Have the types that the check speaks; its time begins after that."""
+        for package in running.exercise.types:
+            if not own_types.is_ready(package):
+                says = f"The checker compiles {package} for itself. It does so once, in about ten seconds."
+                self._lines.send({"begun": own_types.COMPILE_TIMEOUT, "says": says})
+                own_types.provide(package)
+                self._lines.send({"begun": running.exercise.timeout})
+                running.begin_again()
+            own_types.provide(package)
 
     def _watch(self, chapter: str) -> None:
         """Listen to what the chapter's exercises watch, from now on."""
@@ -164,4 +184,6 @@ def _what_to_do(exercise: Exercise) -> str:
         return f"Write the class `{exercise.node_class}` into the cell above and run it, then run this one."
     if exercise.value:
         return "Fill in the cell above and run it, then run this one."
+    if exercise.file:
+        return f"There is no {WORKSPACE}/src/{exercise.file}. Write the cell above and run it, then run this one."
     return f"No node {exercise.node} runs. Write the cell above and run it, then run this one."

@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import rclpy
@@ -23,6 +24,7 @@ from course_kit.raw_subscriptions import RawSubscription, Watcher
 from course_kit.spinning import SpinThread, destroy, executor_for
 
 DEPTH = 10_000
+LOOK_PERIOD = 0.2  # seconds between two looks at who publishes what is watched
 KEPT = 20_000  # messages of one subscription
 
 _plain_init = rclpy.init
@@ -36,6 +38,25 @@ class Heard:
         self._kept: list[tuple[int, int, bytes]] = []
         self._lock = threading.Lock()
         self.subscription: RawSubscription | None = None
+        self._absent: dict[bytes, int] = {}  # publisher -> the last time (ns) at which it was not there yet
+        self._looked = 0
+        self._looking = threading.Lock()
+
+    def look(self, publishers: Callable[[], Sequence[Any]]) -> None:
+        """Note which publishers are there by now."""
+        with self._looking:
+            began = time.time_ns()
+            for one in publishers():
+                self._absent.setdefault(bytes(one.endpoint_gid), self._looked)
+            self._looked = began
+
+    def of_publisher(self, publisher: Any, belongs: Callable[[Any], bool]) -> list[Any]:
+        """The messages that `belongs` picks and that came since this publisher is there."""
+        since = self._absent.get(bytes(publisher.endpoint_gid), self._looked)
+        with self._lock:
+            kept = list(self._kept)
+        read = [deserialize_message(one, self._type) for when, _, one in kept if when >= since]
+        return [message for message in read if belongs(message)]
 
     def receive(self, serialised: bytes, info: dict[str, Any]) -> None:
         with self._lock:
@@ -68,14 +89,12 @@ class Heard:
             kept = list(self._kept)
         return [deserialize_message(serialised, self._type) for _, _, serialised in kept]
 
-    def since_restart(self, belongs: Callable[[Any], bool] = lambda _: True) -> list[Any]:
-        """The messages, or those that `belongs` picks, of the last of its publishers: each counts its own from 1."""
+    def since_restart(self) -> list[Any]:
+        """The messages of the last of its publishers: each counts its own from 1."""
         with self._lock:
             kept = list(self._kept)
-        read = [(number, deserialize_message(one, self._type)) for _, number, one in kept]
-        read = [(number, message) for number, message in read if belongs(message)]
-        starts = [0, *(place for place in range(1, len(read)) if read[place][0] <= read[place - 1][0])]
-        return [message for _, message in read[starts[-1] :]]
+        starts = [0, *(place for place in range(1, len(kept)) if kept[place][1] <= kept[place - 1][1])]
+        return [deserialize_message(one, self._type) for _, _, one in kept[starts[-1] :]]
 
     @property
     def last(self) -> Any:
@@ -178,6 +197,11 @@ class Station:
     def keep(self, heard: Heard) -> None:
         """Have a subscription outlast the check."""
         self._opened.remove(heard)
+
+    def look_at_publishers(self, heard: Heard, topic: str) -> None:
+        """Note from now on when which of its publishers came."""
+        heard.look(lambda: self.publishers(topic))
+        self.node.create_timer(LOOK_PERIOD, lambda: heard.look(lambda: self.publishers(topic)))
 
     @property
     def hand(self) -> Node:

@@ -33,5 +33,11 @@ def heard_since_start(topic: str) -> list[Any]:
 def logged_by(logger: str) -> list[Any]:
     """What a node logged since it was started, as far as the checker heard it."""
     heard = now().watched["/rosout"]
-    now().wait(lambda: any(line.name == logger for line in heard.messages), ARRIVAL)
-    return heard.since_restart(lambda line: line.name == logger)
+
+    def lines() -> list[Any]:
+        ends = [end for end in now().student.publishers("/rosout") if end.node_name == logger]
+        return heard.of_publisher(ends[-1], lambda line: line.name == logger) if ends else []
+
+    heard.look(lambda: now().student.publishers("/rosout"))
+    now().wait(lines, ARRIVAL)
+    return lines()

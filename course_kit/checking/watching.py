@@ -23,4 +23,6 @@ def open_watch(station: Station, topic: str) -> Heard:
     listen = station.listen_late if topic in KEPT_FOR_NEWCOMERS else station.listen
     heard = listen(topic, message_type)
     station.keep(heard)
+    if topic in KEPT_FOR_NEWCOMERS:
+        station.look_at_publishers(heard, topic)
     return heard

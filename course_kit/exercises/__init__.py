@@ -14,11 +14,17 @@ from dataclasses import dataclass
 # Which modules there are, in the order of the course: {what an exercise's name begins with: chapter's title}.
 CHAPTERS = {
     "setup": "1 · Setup checks",
+    "workspace": "2 · Workspace",
     "topics": "3 · Topics",
     "services": "4 · Services",
     "actions": "5 · Actions",
 }
-MODULES = {"setup": "setup_checks"}  # where the module is not called as the exercises are
+# Where the module is not called as the exercises are, or there is more than one.
+MODULES = {
+    "setup": ("setup_checks",),
+    "workspace": ("workspace", "workspace_patrol"),
+    "actions": ("actions", "actions_star"),
+}
 LEVELS = ("warm-up", "medium", "harder", "project")
 
 
@@ -34,6 +40,8 @@ class Exercise:
     timeout: float  # seconds that a check takes at most
     node_class: str | None  # the class that the student writes, if it asks for one
     node: str | None  # the full name of the student's node, if it asks for one
+    file: str | None  # a file below ros2_ws/src that the student writes, if it asks for one
+    types: tuple[str, ...]  # packages of types that the checker compiles for itself, once
     watches: tuple[str, ...]  # topics of the student's domain that are listened to from the chapter's first check on
     value: bool  # whether the answer is a value, handed to check()
     check: Callable[..., None]
@@ -56,18 +64,20 @@ def exercise(
     timeout: float = 15.0,
     node_class: str | None = None,
     node: str | None = None,
+    file: str | None = None,
+    types: tuple[str, ...] = (),
     watches: tuple[str, ...] = (),
     value: bool = False,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Declare the function below as the check of an exercise; with `value` it is given the student's value."""
     if level not in LEVELS:
         raise ValueError(f"{name}: there is no level {level!r}, only {', '.join(LEVELS)}")
-    if not (node_class or node or value):
-        raise ValueError(f"{name}: say by `node_class`, `node` or `value` how to know that it was begun")
+    if not (node_class or node or file or value):
+        raise ValueError(f"{name}: say by `node_class`, `node`, `file` or `value` how to know that it was begun")
 
     def declare(check: Callable[..., None]) -> Callable[..., None]:
         _exercises[name] = Exercise(
-            name, title, points, minutes, level, timeout, node_class, node, watches, value, check
+            name, title, points, minutes, level, timeout, node_class, node, file, types, watches, value, check
         )
         return check
 
@@ -76,7 +86,8 @@ def exercise(
 
 def of_chapter(chapter: str) -> list[Exercise]:
     """The exercises of a chapter, in order."""
-    importlib.import_module(f"{__name__}.{MODULES.get(chapter, chapter)}")
+    for module in MODULES.get(chapter, (chapter,)):
+        importlib.import_module(f"{__name__}.{module}")
     found = [one for one in _exercises.values() if one.chapter == chapter]
     return sorted(found, key=lambda one: int(one.name.rsplit("-", 1)[1]))
 

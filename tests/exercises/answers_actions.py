@@ -107,7 +107,7 @@ class StarServer(Node):
         self.waiting, self.goal = [], None
         self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
         self.create_subscription(Pose, "turtle1/pose", self.on_pose, 1)
-        self.server = ActionServer(self, DrivePolygon, "drive_star", self.execute,
+        self.server = ActionServer(self, Polygon, "drive_star", self.execute,
                                    cancel_callback=lambda goal: CancelResponse.ACCEPT)
 
     on_pose, next_pose = PolygonServer.on_pose, PolygonServer.next_pose
@@ -117,14 +117,14 @@ class StarServer(Node):
         while (distance := math.dist((pose.x, pose.y), (x, y))) >= 0.05:
             if self.goal is not goal_handle or (goal_handle.is_cancel_requested and not home):
                 return False
-            goal_handle.publish_feedback(DrivePolygon.Feedback(**{FEEDBACK: distance + side * lines}))
+            goal_handle.publish_feedback(Polygon.Feedback(distance_left=distance + side * lines))
             self.publisher.publish(steer(pose, x, y))
             pose = await self.next_pose()
         return True
 
     async def execute(self, goal_handle):
         earlier, self.goal = self.goal, goal_handle
-        side, pose = getattr(goal_handle.request, GOAL), await self.next_pose()
+        side, pose = goal_handle.request.side_length, await self.next_pose()
         start, x, y = (pose.x, pose.y), pose.x, pose.y
         for number in range(5):
             heading = pose.theta + number * 2 * math.tau / 5
@@ -134,14 +134,14 @@ class StarServer(Node):
         else:
             self.publisher.publish(Twist())
             goal_handle.succeed()
-            return DrivePolygon.Result()
+            return Polygon.Result(distance=5 * side)
         if self.goal is not goal_handle:
             goal_handle.abort()
-            return DrivePolygon.Result()
+            return Polygon.Result()
         await self.to(goal_handle, *start, 0, side, home=True)
         self.publisher.publish(Twist())
         goal_handle.canceled()
-        return DrivePolygon.Result()
+        return Polygon.Result()
 """
 
 ANSWERS = [
@@ -308,6 +308,19 @@ ANSWERS = [
                 changed(STAR, ("self.goal is not goal_handle or (goal_handle", "(goal_handle")),
                 4,
                 "abort the first",
+            ),
+            Wrong(
+                "type",
+                changed(STAR, ('Polygon, "drive_star"', 'Fibonacci, "drive_star"')),
+                0,
+                "Its type is example_interfaces/action/Fibonacci",
+            ),
+            Wrong("no_result", changed(STAR, ("(distance=5 * side)", "()")), 4, "with a distance of 0.0 m"),
+            Wrong(
+                "driven_not_left",
+                changed(STAR, ("distance + side * lines", "side * (5 - lines) - distance")),
+                4,
+                "10 at the beginning",
             ),
         ],
     ),

@@ -22,6 +22,16 @@ class Greeter(Node):
 greeter = run(Greeter)
 """
 
+SILENT = """
+import time; time.sleep(0.5)
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__("greeter")
+
+greeter = run(Greeter)
+"""
+
 CORNERS = """
 import math
 from geometry_msgs.msg import Twist
@@ -110,6 +120,7 @@ ANSWERS = [
             Wrong("node_name", changed(GREETER, ('__init__("greeter")', '__init__("hello")')), 0, "Running: /hello"),
             Wrong("not_run", changed(GREETER, ("greeter = run(Greeter)\n", "")), 0, "Start it with `run(Greeter"),
             Wrong("text", changed(GREETER, ("Nice to meet you, Ada", "Hello, Ada")), 1, "It logged 'Hello, Ada'"),
+            Wrong("right_before", GREETER + SILENT, 1, "It logged nothing"),
         ],
     ),
     Answers(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +14,7 @@ import nbformat
 from tests.kernel import Kernel
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
-CELL_TIMEOUT = 90.0
+CELL_TIMEOUT = 240.0  # some build a package
 CHECK_TIMEOUT = 150.0
 
 
@@ -50,10 +50,10 @@ class Chapter:
             if "course_kit" in cell.metadata
         }
 
-    def run_chapter(self) -> None:
-        """Run every code cell that belongs to no exercise."""
+    def run_chapter(self, only: Collection[str] | None = None) -> None:
+        """Run every code cell that belongs to no exercise, or those of these ids."""
         for cell in self.cells.values():
-            if cell.cell_type == "code" and "course_kit" not in cell.metadata:
+            if cell.cell_type == "code" and "course_kit" not in cell.metadata and (only is None or cell.id in only):
                 self.kernel.run(cell.source, CELL_TIMEOUT)
 
     def source(self, role: str, exercise: str) -> str:
@@ -78,14 +78,17 @@ class Chapter:
 
 
 @contextmanager
-def chapter(name: str) -> Iterator[Chapter]:
-    """A chapter's kernel, in a state folder of its own, run up to the exercises."""
+def chapter(name: str, only: Collection[str] | None = None, prepare: str = "") -> Iterator[Chapter]:
+    """A chapter's kernel, in a folder and with a state of its own, run up to the exercises.
+
+    `only`: these cells, and after them `prepare`, are enough.
+    """
     path = next(iter([*FOLDER.glob(f"{name}.ipynb"), *FOLDER.glob(f"drafts/{name}.ipynb")]))
-    with tempfile.TemporaryDirectory() as state:
+    with tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
         before = os.environ.get("XDG_STATE_HOME")
         os.environ["XDG_STATE_HOME"] = state
         try:
-            kernel = Kernel()
+            kernel = Kernel(Path(folder))
         finally:
             if before is None:
                 del os.environ["XDG_STATE_HOME"]
@@ -93,7 +96,8 @@ def chapter(name: str) -> Iterator[Chapter]:
                 os.environ["XDG_STATE_HOME"] = before
         try:
             made = Chapter(kernel, path)
-            made.run_chapter()
+            made.run_chapter(only)
+            kernel.run(prepare, CELL_TIMEOUT)
             kernel.run("from course_kit import check")  # stands in the first check cell, which a test may leave out
             yield made
         finally:

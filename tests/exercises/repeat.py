@@ -27,9 +27,10 @@ def main() -> int:
     parser.add_argument("--reference", action="store_true", help="the right answers only")
     chosen = parser.parse_args()
     use_own_domain()
-    answers = importlib.import_module(f"tests.exercises.answers_{chosen.answers}").ANSWERS
-    answers = [one for one in answers if one.exercise.startswith(chosen.only)]
-    with chapter(chosen.notebook) as notebook, _busy(chosen.busy):
+    module = importlib.import_module(f"tests.exercises.answers_{chosen.answers}")
+    answers = [one for one in module.ANSWERS if one.exercise.startswith(chosen.only)]
+    prepared = (getattr(module, "CELLS", None), getattr(module, "PREPARE", ""))
+    with chapter(chosen.notebook, *prepared) as notebook, _busy(chosen.busy):
         wrong, count = _repeat(notebook, answers, chosen.times, chosen.reference)
     print(f"{count} checks, {sum(wrong.values())} wrong verdicts {dict(wrong)}")
     return bool(wrong)
@@ -51,16 +52,21 @@ def _repeat(notebook: Chapter, answers: list[Answers], times: int, only_referenc
     count = 0
     for turn in range(times):
         began = time.monotonic()
+        took: dict[str, float] = {}
         for one in answers:
             sources = [] if only_reference else [(w.name, w.source, w.points, w.hint) for w in one.wrong]
             for name, source, points, hint in [*sources, ("reference", one.reference, one.points, "")]:
                 count += 1
+                start = time.monotonic()
                 try:
                     judge(notebook.answer(one.exercise, source), points, one.points, hint)
                 except AssertionError as error:
                     wrong[f"{one.exercise}-{name}"] += 1
-                    print(error, flush=True)
-        print(f"turn {turn + 1}: {time.monotonic() - began:.0f} s", flush=True)
+                    print(f"{one.exercise}-{name}: {error}", flush=True)
+                took[f"{one.exercise}-{name}"] = time.monotonic() - start
+        slowest = sorted(took, key=lambda name: took[name])[-3:]
+        shown = ", ".join(f"{name} {took[name]:.0f} s" for name in slowest)
+        print(f"turn {turn + 1}: {time.monotonic() - began:.0f} s; the slowest: {shown}", flush=True)
     return wrong, count
 
 

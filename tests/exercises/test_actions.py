@@ -14,7 +14,7 @@ def notebook():
         yield made
 
 
-@pytest.mark.timeout(180)
+@pytest.mark.timeout(400)
 @pytest.mark.parametrize("answers", ANSWERS, ids=lambda a: a.exercise)
 def test_untouched_is_not_begun(notebook: Chapter, answers: Answers):
     shown = notebook.answer(answers.exercise, notebook.source("answer", answers.exercise))
@@ -22,7 +22,7 @@ def test_untouched_is_not_begun(notebook: Chapter, answers: Answers):
     assert shown == notebook.committed(answers.exercise)
 
 
-@pytest.mark.timeout(180)
+@pytest.mark.timeout(400)
 @pytest.mark.parametrize(("exercise", "source", "points", "of", "hint"), expected(ANSWERS))
 def test_answer(notebook: Chapter, exercise: str, source: str, points: int, of: int, hint: str):
     judge(notebook.answer(exercise, source), points, of, hint)

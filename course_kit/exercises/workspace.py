@@ -1,0 +1,225 @@
+"""Chapter 2's exercises: what each asks of packages, launches and types, and how it is checked."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+from std_msgs.msg import String
+
+from course_kit.checking import own_types
+from course_kit.checking.station import Heard
+from course_kit.checking.vocabulary import answer, expect, expect_node, pause, wait
+from course_kit.checking.vocabulary_services import Client, expect_service
+from course_kit.checking.vocabulary_topics import (
+    expect_compatible_subscription,
+    expect_subscription,
+    expect_topic,
+    listen,
+    publisher,
+    rate,
+    values,
+)
+from course_kit.checking.vocabulary_workspace import (
+    expect_definition,
+    expect_executable,
+    expect_gone,
+    expect_installed,
+    expect_nodes,
+    expect_package,
+    run_to_end,
+    said,
+    set_parameter,
+    start,
+)
+from course_kit.exercises import exercise
+
+BATTERY = ("float32 EMPTY_VOLTAGE=11.0", "float32 voltage", "float32 percentage", "bool charging")
+RECHARGE = ("float32 percentage", "---", "bool accepted", "string reason")
+
+
+@exercise(
+    "workspace-1",
+    "A package of your own",
+    points=2,
+    minutes=8,
+    level="warm-up",
+    timeout=25,
+    file="greeter/package.xml",
+)
+def greeter() -> None:
+    """The package is built, and its program greets."""
+    expect_package("greeter", "ament_python", points=1)
+    expect_executable("greeter", "greet")
+    greet = run_to_end("ros2", "run", "greeter", "greet", timeout=15.0)
+    expect(
+        "`ros2 run greeter greet` says `Hi from greeter.` and ends with status 0",
+        greet.status == 0 and greet.says("Hi from greeter."),
+        f"{said(greet)}`--node-name greet` makes a program that says so; a line that you add must not take its place.",
+        points=1,
+    )
+
+
+@exercise(
+    "workspace-2",
+    "Louder",
+    points=3,
+    minutes=12,
+    level="medium",
+    timeout=50,
+    file="greeter/greeter/loud.py",
+)
+def loud() -> None:
+    """It says in capitals what it hears, with a mark that can be changed, and ends well."""
+    expect_package("greeter", "ament_python")
+    expect_executable("greeter", "loud")
+    first = start("ros2", "run", "greeter", "loud")
+    expect_nodes(first, "/loud")
+    expect_subscription("/chatter", String)
+    expect_topic("/loud", String)
+    heard = _say("good morning")
+    expect(
+        "it says in capitals what it hears, with `!` at the end",
+        heard == "GOOD MORNING!",
+        f"To `good morning` it said {heard!r}. {said(first) if heard is None else ''}"
+        "Publish `message.data.upper()` and the value of the parameter `mark`.",
+        points=1,
+    )
+    taken, why = set_parameter("/loud", "mark", "?!")
+    heard = _say("and now")
+    expect(
+        "`mark` can be changed while it runs",
+        taken and heard == "AND NOW?!",
+        f"After `ros2 param set /loud mark ?!` it said {heard!r}. "
+        + ("Read the parameter each time that you need it." if taken else f"It refused the value: {why}. Declare it."),
+        points=1,
+    )
+    first.stop()
+    wait(lambda: first.status is not None, 3.0)
+    expect_gone("/loud")
+    second = start("ros2", "run", "greeter", "loud", "--ros-args", "-p", "mark:=…")
+    expect_nodes(second, "/loud")
+    heard = _say("again")
+    expect(
+        "it takes `mark` from the command line, and ends with status 0 at Ctrl-C",
+        heard == "AGAIN…" and first.status == 0,
+        f"Started with `--ros-args -p mark:=…` it said {heard!r}, and Ctrl-C ended it with status {first.status}: "
+        f"give `args` to rclpy.init or leave them out, and catch KeyboardInterrupt, as spin.py does.",
+        points=1,
+    )
+
+
+def _say(words: str) -> str | None:
+    """Say something on /chatter; what came on /loud, if anything did."""
+    voice, answers = publisher("/chatter", String), listen("/loud", String)
+    expect_compatible_subscription("/chatter", voice)
+    wait(lambda: answers.publisher_count, 3.0, "the publisher of /loud")
+    voice.publish(String(data=words))
+    wait(lambda: len(answers), 3.0, "words on /loud")
+    pause(0.1)
+    return answers.last.data if len(answers) else None
+
+
+@exercise(
+    "workspace-3",
+    "Two rooms",
+    points=3,
+    minutes=12,
+    level="medium",
+    timeout=60,
+    file="greeter/launch/rooms.launch.py",
+)
+def rooms() -> None:
+    """A launch of two rooms with words of their own, and the attic hears the kitchen."""
+    expect_package("greeter", "ament_python")
+    expect_installed("greeter", "launch/rooms.launch.py")
+    launch = start("ros2", "launch", "greeter", "rooms.launch.py", "kitchen_words:=Soup", "attic_words:=Dust")
+    nodes = [f"/{room}/{name}" for room in ("kitchen", "attic") for name in ("talker", "loud")]
+    expect_nodes(launch, *nodes, points=1)
+    heard = {topic: listen(topic, String) for topic in ("/kitchen/chatter", "/attic/chatter", "/attic/loud")}
+    wait(lambda: all(len(one) for one in heard.values()), 6.0, "words in both rooms")
+    said_here = {topic: _words(one) for topic, one in heard.items()}
+    expect(
+        "each room has the words of its argument",
+        said_here["/kitchen/chatter"] == {"Soup"} and said_here["/attic/chatter"] == {"Dust"},
+        f"With `kitchen_words:=Soup attic_words:=Dust` the talker of the kitchen said "
+        f"{_listed(said_here['/kitchen/chatter'])}, that of the attic {_listed(said_here['/attic/chatter'])}: "
+        "DeclareLaunchArgument, and "
+        'parameters=[{"words": LaunchConfiguration(…)}]. `%ros2 topic list` shows where they talk.',
+        points=1,
+    )
+    expect(
+        "the attic's `loud` hears the kitchen",
+        said_here["/attic/loud"] == {"SOUP"},
+        f"On `/attic/loud` there was {_listed(said_here['/attic/loud'])}: its subscription `chatter` is to be remapped "
+        f"to `/kitchen/chatter`, with a slash, or the name stays in the attic. `%ros2 node info /attic/loud` shows it.",
+        points=1,
+    )
+
+
+def _words(heard: Heard) -> set[str]:
+    """The words in front of the numbers."""
+    return {text.split(":")[0] for text in values(heard, "data")}
+
+
+def _listed(words: set[str]) -> str:
+    return ", ".join(f"`{one}`" for one in sorted(words)) or "nothing"
+
+
+@exercise(
+    "workspace-4",
+    "A battery",
+    points=4,
+    minutes=15,
+    level="medium",
+    timeout=30,
+    node_class="Charger",
+    file="robot_interfaces/package.xml",
+    types=("robot_interfaces",),
+)
+def battery() -> None:
+    """The definitions are as asked; the node publishes one and serves the other."""
+    expect_package("robot_interfaces", "ament_cmake")
+    right = expect_definition("robot_interfaces", "msg/Battery", BATTERY, points=1)
+    right &= expect_definition("robot_interfaces", "srv/Recharge", RECHARGE, points=1)
+    if not right:
+        expect("the node can be looked at", False, "Only with these types: put them right, build, restart the kernel.")
+    battery_type = own_types.load("robot_interfaces/msg/Battery")
+    recharge_type = own_types.load("robot_interfaces/srv/Recharge")
+    answer("Charger")
+    expect_node("/charger")
+    expect_topic("/battery", battery_type)
+    expect_service("/recharge", recharge_type)
+    heard = listen("/battery", battery_type)
+    wait(lambda: len(heard) >= 4, 6.0, "four messages on /battery")
+    left = values(heard, "percentage")
+    expect(
+        "`/battery` comes once a second, each time with less",
+        len(left) >= 4 and abs(rate(heard) - 1.0) < 0.15 and all(after < before for before, after in pairwise(left)),
+        f"It had {[round(one, 1) for one in left]} in 6 s: a timer with a period of 1.0 s, and less than before in "
+        f"`percentage` each time.",
+        points=1,
+    )
+    client = Client("/recharge", recharge_type)
+    refused = client.ask(3.0, percentage=120.0).response
+    accepted = client.ask(3.0, percentage=90.0).response
+    count = len(heard)
+    wait(lambda: len(heard) > count + 1, 4.0, "the next messages on /battery")
+    then = values(heard, "percentage")[-1:]
+    expect(
+        "`/recharge` sets the percentage, and refuses more than 100",
+        refused is not None
+        and not refused.accepted
+        and refused.reason
+        and accepted is not None
+        and accepted.accepted
+        and then
+        and 80.0 <= then[0] <= 90.0,
+        f"To 120 % it answered {_shortly(refused)}, to 90 % {_shortly(accepted)}, and then the battery had "
+        f"{then[0] if then else 'nothing'} %. What is refused has a reason, what is accepted has an effect.",
+        points=1,
+    )
+
+
+def _shortly(response: Any) -> str:
+    return f"accepted={response.accepted}, reason={response.reason!r}" if response is not None else "nothing"

@@ -1,0 +1,60 @@
+"""The checker's own types: compiled once a user, the same as what the exercises ask for, none from a workspace."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from course_kit.checking import own_types
+from course_kit.exercises.workspace import BATTERY, RECHARGE
+from tests.kernel import Kernel
+
+USE = """
+from course_kit.checking import own_types
+own_types.provide("my_interfaces")
+Polygon = own_types.load("my_interfaces/action/Polygon")
+print(Polygon.Goal().sides)
+"""
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    return tmp_path / own_types.FOLDER
+
+
+def test_types_are_compiled_once(cache: Path):
+    assert not own_types.is_ready("my_interfaces")
+    used = [subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True) for _ in range(2)]
+    assert [one.stdout for one in used] == ["5\n", "5\n"], used[0].stderr
+    assert own_types.is_ready("my_interfaces")
+    assert sorted(path.suffix for path in cache.iterdir()) == ["", ".lock"]
+
+
+def test_what_cannot_be_compiled_is_said(cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "msg").mkdir()
+    (tmp_path / "msg/Bad.msg").write_text("float33 voltage\n")
+    monkeypatch.setitem(own_types.DEFINITIONS, "bad_interfaces", (tmp_path, ("msg/Bad.msg",)))
+    with pytest.raises(own_types.Uncompiled, match=r"compiling the types of bad_interfaces failed: .+"):
+        own_types.provide("bad_interfaces")
+    assert [path.suffix for path in cache.iterdir()] == [".lock"]
+
+
+def test_the_definitions_are_those_of_the_exercise():
+    folder, files = own_types.DEFINITIONS["robot_interfaces"]
+    assert [(folder / file).read_text().splitlines() for file in files] == [list(BATTERY), list(RECHARGE)]
+
+
+def test_the_checker_loads_nothing_from_a_workspace(tmp_path: Path):
+    (tmp_path / "rclpy.py").write_text("raise RuntimeError('from the workspace')\n")
+    kernel = Kernel()
+    try:
+        kernel.run("from course_kit import check")
+        paths = f"COLCON_PREFIX_PATH={str(tmp_path)!r}, PYTHONPATH={str(tmp_path)!r}"
+        kernel.run(f"import os; os.environ.update({paths})")
+        assert "not begun" in kernel.text(kernel.run('check("topics-1")', 60))
+    finally:
+        kernel.close()
