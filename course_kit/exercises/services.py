@@ -71,7 +71,7 @@ def safe_client() -> None:
         f"then return its result().sum.",
         points=1,
     )
-    server.delay = 3.0  # longer than an answer with a timeout of its own waits
+    server.delay = 2.0
     slow, slow_seconds = call("add", 1, 1, 0.5, timeout=4.0)
     left = pending_calls()
     in_time = max(alone_seconds, slow_seconds) < 1.0

@@ -183,7 +183,7 @@ ANSWERS = [
             ),
             Wrong(
                 "fixed_timeout",
-                changed(SAFE_CLIENT, ("timeout_sec=timeout", "timeout_sec=2.0"), ("end - time.monotonic()", "2.0")),
+                changed(SAFE_CLIENT, ("timeout_sec=timeout", "timeout_sec=1.4"), ("end - time.monotonic()", "1.4")),
                 1,
                 "`timeout` is for both waits together",
             ),
