@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 
 from tests.domains import use_own_domain
@@ -19,3 +21,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.get_closest_marker("xdist_group") is None:
             item.add_marker(pytest.mark.xdist_group(item.path.stem))
+
+
+@pytest.fixture(scope="module")
+def fresh_domain() -> Iterator[None]:
+    """A domain in which no earlier test of this process has left a node, for tests that look at the whole graph."""
+    from course_kit import context
+
+    context.stop()
+    use_own_domain()
+    yield
+    context.stop()
+    use_own_domain()

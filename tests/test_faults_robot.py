@@ -29,6 +29,8 @@ from tests.ros2_command import ros2
 from tests.ros2_launches import none_left
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.usefixtures("fresh_domain")
+
 LOOK_TIMEOUT = 30.0  # a look may take 6 s where discovery is slow
 HEALTHY_TIMEOUT = 25.0
 

@@ -25,6 +25,8 @@ from course_kit.matching import explanations
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.usefixtures("fresh_domain")
+
 PROGRAM = Path(__file__).parent / "programs" / "graph_node.py"
 STR, INT = "std_msgs/msg/String", "std_msgs/msg/Int32"
 
