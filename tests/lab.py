@@ -153,7 +153,7 @@ def browser(address: str, profile: Path) -> Iterator[Lab]:
         try:
             lab = Lab(context.new_page())
             lab.page.goto(address)
-            lab.page.wait_for_function("() => window.jupyterapp", timeout=60_000)
+            lab.page.wait_for_function("() => window.jupyterapp", timeout=120_000)
             lab.page.evaluate("() => window.jupyterapp.started.then(() => 1)")
             lab.page.wait_for_selector(".jp-Launcher, .jp-NotebookPanel", timeout=60_000)
             yield lab

@@ -13,6 +13,7 @@ from typing import Any
 from course_kit.checking.examination import now
 from course_kit.checking.stage import WITHOUT_DESCRIPTIONS
 from course_kit.turtlesim.node import TurtleSim
+from course_kit.turtlesim.turtle import TICK
 
 NODE_TIMEOUT = 3.0
 SETTLE_TIMEOUT = 0.7  # seconds given to what may come a little later than the node
@@ -49,11 +50,11 @@ def expect_node(name: str) -> None:
     now().settle(f"its node is called `{name}`", name in there, hint)
 
 
-def a_turtle() -> TurtleSim:
-    """A turtlesim on the stage, as `run(TurtleSim)` would start it."""
+def a_turtle(period: float = TICK) -> TurtleSim:
+    """A turtlesim on the stage, as `run(TurtleSim)` would start it. `period`: seconds from tick to tick."""
     station = now().stage
     options = {"context": station.context, "enable_rosout": False, "parameter_overrides": WITHOUT_DESCRIPTIONS}
-    made = station.spin(lambda: TurtleSim(**options))
+    made = station.spin(lambda: TurtleSim(period=period, **options))
     assert isinstance(made, TurtleSim)
     return made
 

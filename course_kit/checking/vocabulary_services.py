@@ -102,12 +102,12 @@ class Server:
     delay: float = 0.0
     requests: list[Any] = field(default_factory=list)
     responses: list[Any] = field(default_factory=list)
-    _ended: threading.Event = field(default_factory=threading.Event)
+    ended: threading.Event = field(default_factory=threading.Event)
 
     def serve(self, request: Any, response: Any) -> Any:
         self.requests.append(request)
         if self.delay:
-            self._ended.wait(self.delay)
+            self.ended.wait(self.delay)
         answered = self.answer(request, response)
         self.responses.append(answered)
         return answered
@@ -120,7 +120,7 @@ def a_server(name: str, service_type: Any, answer: Callable[[Any, Any], Any]) ->
     def prepare(node: Node) -> None:
         node.create_service(service_type, name, server.serve)
 
-    now().stage.node_for(prepare)
+    now().stage.node_for(prepare, at_end=server.ended.set)
     return server
 
 

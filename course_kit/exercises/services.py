@@ -16,6 +16,9 @@ from course_kit.checking.vocabulary_services import (
 )
 from course_kit.exercises import exercise
 
+SLOW_TICK = 0.1  # seconds; so slow that who does not wait for a tick is always early
+LATE = 1.5  # seconds that a wait of 0.5 s may take where the machine is busy
+
 
 @exercise("services-1", "A lamp", points=2, minutes=8, level="warm-up", timeout=15, node_class="Lamp", node="/lamp")
 def lamp() -> None:
@@ -71,10 +74,10 @@ def safe_client() -> None:
         f"then return its result().sum.",
         points=1,
     )
-    server.delay = 2.0
+    server.delay = 3.0
     slow, slow_seconds = call("add", 1, 1, 0.5, timeout=4.0)
     left = pending_calls()
-    in_time = max(alone_seconds, slow_seconds) < 1.0
+    in_time = max(alone_seconds, slow_seconds) < LATE
     expect(
         "without a server or an answer it returns None in time, and leaves no future waiting",
         alone is None and slow is None and in_time and left == 0,
@@ -89,7 +92,7 @@ def _why_not_safe(alone: object, slow: object, alone_seconds: float, slow_second
             f"It returned {alone!r} without a server and {slow!r} with one that did not answer, and not None: look at "
             f"what wait_for_service() returns, and catch the TimeoutError of wait_for()."
         )
-    if max(alone_seconds, slow_seconds) >= 1.0:
+    if max(alone_seconds, slow_seconds) >= LATE:
         return (
             f"With a timeout of 0.5 s it took {alone_seconds:.1f} s without a server and {slow_seconds:.1f} s "
             "with a slow "
@@ -222,7 +225,7 @@ def star_painter() -> None:
         answer("StarPainter")
         expect_node("/star_painter")
         client = Client("/draw_star", Trigger)
-    turtlesim = a_turtle()
+    turtlesim = a_turtle(period=SLOW_TICK)
     pause(0.5)
     drawn = client.ask(40.0)
     expect("with a turtle it answers", drawn.response is not None, no_answer("/draw_star", 40.0))
@@ -235,7 +238,7 @@ def star_painter() -> None:
         f"the end of the last line: wait for its pose, then respond.",
         points=1,
     )
-    pause(0.1)  # the last tick of the pen
+    pause(2 * SLOW_TICK)  # the last tick of the pen
     seen = trails.star_seen(turtlesim)
     expect(
         "five lines of a star, in yellow",

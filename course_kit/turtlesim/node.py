@@ -27,7 +27,8 @@ _VALID_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 class TurtleSim(Node):
     """A turtlesim without a window, for any executor; takes the keyword arguments of rclpy's Node."""
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, *, period: float = TICK, **options: Any) -> None:
+        """`period`: seconds from tick to tick; a longer one slows the simulator down."""
         super().__init__("turtlesim", **options)
         self._declare()
         self.get_logger().info(f"Starting turtlesim with node name {self.get_fully_qualified_name()}")
@@ -44,7 +45,7 @@ class TurtleSim(Node):
         self.settle()
         # Steady, so that neither a changed system time nor use_sim_time stops the turtles. rcl's timers do
         # not drift, and after a stall they skip what was missed.
-        self.create_timer(TICK, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(period, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def picture(self) -> Image.Image:
         """The field with its trails and turtles as it is now: RGB, 500 x 500 pixels. From any thread."""
