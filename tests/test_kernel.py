@@ -82,8 +82,8 @@ def test_what_a_callback_prints_appears_under_the_cell_that_runs_the_node(kernel
 )
 def test_interrupting_a_cell_that_waits_ends_the_cell_and_not_ros(kernel, waiting):
     kernel.run("talker = run(Talker)")
-    cell = kernel.send(waiting)
-    kernel.until(lambda: any(m["msg_type"] == "execute_input" for m in kernel.of(cell)))
+    cell = kernel.send(f"print('waiting', flush=True)\n{waiting}")
+    kernel.until(lambda: "waiting" in kernel.text(cell))
     time.sleep(0.3)  # into the wait itself: there is nothing to see from outside
     kernel.manager.interrupt_kernel()
     kernel.finish(cell, timeout=5)

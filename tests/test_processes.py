@@ -195,8 +195,8 @@ def test_a_failure_is_shown_under_the_cell(kernel):
 
 def test_an_interrupt_of_the_notebook_leaves_the_process_alone(kernel):
     pids = family(kernel)
-    cell = kernel.send("wait_for(p, timeout=600)")
-    kernel.until(lambda: any(m["msg_type"] == "execute_input" for m in kernel.of(cell)))
+    cell = kernel.send("print('waiting', flush=True); wait_for(p, timeout=600)")
+    kernel.until(lambda: "waiting" in kernel.text(cell))  # an interrupt before the cell's first line goes unseen
     kernel.manager.interrupt_kernel()
     kernel.finish(cell)
     assert [m["content"]["ename"] for m in kernel.of(cell) if m["msg_type"] == "error"] == ["KeyboardInterrupt"]

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.kernel import Kernel
+from tests.ros2_command import own_domain
 
 NODES = """
 from course_kit import run
@@ -28,12 +29,13 @@ run(Talker);
 
 @pytest.fixture(scope="module")
 def kernel() -> Iterator[Kernel]:
-    kernel = Kernel()
-    try:
-        kernel.run(NODES)
-        yield kernel
-    finally:
-        kernel.close()
+    with own_domain():
+        kernel = Kernel()
+        try:
+            kernel.run(NODES)
+            yield kernel
+        finally:
+            kernel.close()
 
 
 def test_a_list_names_the_nodes_of_the_notebook(kernel):
