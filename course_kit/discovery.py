@@ -12,6 +12,7 @@ import threading
 import time
 import weakref
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -155,10 +156,25 @@ class Discovery:
             return False
         announced = [self._announced[participant] for participant in known]
         # The middleware reads these messages for itself, earlier or later than they are read here.
-        if Counter(node.get_node_names_and_namespaces()) != Counter(n for a in announced for n in a.nodes):
+        if Counter(n for a in announced for n in a.nodes) - Counter(node.get_node_names_and_namespaces()):
             return False
         missing = set().union(*(a.endpoints for a in announced)) - self._found
         return not missing or self._look_for(node, missing)
+
+    def alive(self, listed: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+        """Of listed nodes, as (name, namespace), those whose participant is there.
+
+        The middleware keeps a node for ever if its last message is read after the end of its participant.
+        """
+        node = self._node()
+        if node is None or self._subscription is None:
+            return list(listed)
+        known = self._participants(node)
+        self._take()
+        if not known <= self._announced.keys():
+            return list(listed)
+        there = Counter(n for participant in known for n in self._announced[participant].nodes)
+        return list((Counter(listed) & there).elements())
 
     def _participants(self, node: Node) -> set[bytes]:
         writers = node.get_publishers_info_by_topic(TOPIC, no_mangle=True)

@@ -13,6 +13,7 @@ from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from course_kit import discovery
 from course_kit.graph_data import EVERY_NODES_SERVICES, EVERYWHERE, Channel, Endpoint, GraphNode, Qos, Snapshot
 
 NamesAndTypes = dict[str, list[str]]
@@ -53,7 +54,8 @@ def _visible(pairs: Any, with_hidden: bool) -> NamesAndTypes:
 
 def nodes(node: Node, with_hidden: bool = False) -> list[NodeName]:
     """The nodes, sorted by name; a name that two nodes share comes twice."""
-    names = [NodeName(name, namespace) for name, namespace in node.get_node_names_and_namespaces()]
+    listed = discovery.of(node).alive(node.get_node_names_and_namespaces())
+    names = [NodeName(name, namespace) for name, namespace in listed]
     return sorted((n for n in names if with_hidden or not n.is_hidden), key=lambda n: n.full_name)
 
 

@@ -14,6 +14,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
+from course_kit import discovery
 from tests.benchmark.child import ROOT, Program, environment
 from tests.waiting import wait_until
 
@@ -66,6 +67,21 @@ def test_a_killed_node_leaves_the_graph_in_a_few_seconds(watcher):
         wait_until(
             lambda: "idle" not in watcher.get_node_names(), "the end of the idle node", timeout=12
         )  # stock: 20 s
+
+
+def test_a_node_that_the_middleware_lists_without_its_participant_is_none(watcher):
+    """The middleware keeps such an entry when it reads a last message late; nothing removes it any more."""
+    there = discovery.of(watcher)
+    try:
+        with Program("idle_node", domain=DOMAIN) as program:
+            program.report()
+            wait_until(lambda: ("idle", "/") in there.alive(watcher.get_node_names_and_namespaces()), timeout=10)
+            listed = watcher.get_node_names_and_namespaces()
+            assert sorted(there.alive([*listed, ("idle", "/"), ("ghost", "/")])) == sorted(listed)
+        wait_until(lambda: ("idle", "/") not in there.alive(listed), timeout=10)
+        assert ("watcher", "/") in there.alive(listed)
+    finally:
+        discovery.forget(watcher)
 
 
 def test_a_users_profile_wins_over_the_courses(talker, tmp_path):

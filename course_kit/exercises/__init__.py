@@ -18,6 +18,7 @@ CHAPTERS = {
     "topics": "3 · Topics",
     "services": "4 · Services",
     "actions": "5 · Actions",
+    "debugging": "6 · Debugging",
 }
 # Where the module is not called as the exercises are, or there is more than one.
 MODULES = {

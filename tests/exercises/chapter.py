@@ -83,7 +83,7 @@ def chapter(name: str, only: Collection[str] | None = None, prepare: str = "") -
 
     `only`: these cells, and after them `prepare`, are enough.
     """
-    path = next(iter([*FOLDER.glob(f"{name}.ipynb"), *FOLDER.glob(f"drafts/{name}.ipynb")]))
+    path = FOLDER / f"{name}.ipynb"
     with tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
         before = os.environ.get("XDG_STATE_HOME")
         os.environ["XDG_STATE_HOME"] = state

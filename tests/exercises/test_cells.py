@@ -8,7 +8,7 @@ import pytest
 from course_kit import exercises
 from tests.exercises.chapter import FOLDER
 
-PATHS = [*sorted(FOLDER.glob("[0-9][0-9]_*.ipynb")), *sorted(FOLDER.glob("drafts/[0-9][0-9]_*.ipynb"))]
+PATHS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
 CELLS = {
     (cell.metadata.course_kit.role, cell.metadata.course_kit.exercise): cell
     for path in PATHS

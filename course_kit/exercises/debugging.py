@@ -1,0 +1,384 @@
+"""Chapter 6's exercises: what each asks of seeing, measuring, recording and repairing, and how it is checked."""
+
+from __future__ import annotations
+
+import math
+import time
+from itertools import pairwise
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import LoggerLevel
+from rcl_interfaces.srv import SetLoggerLevels
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool, Float32
+from turtlesim.msg import Pose
+
+from course_kit.bags.files import BagInfo, info
+from course_kit.bags.storage import BagError
+from course_kit.checking.examination import now
+from course_kit.checking.station import Heard
+from course_kit.checking.vocabulary import answer, expect, expect_node, expect_value, pause, wait
+from course_kit.checking.vocabulary_student import expect_running_node
+from course_kit.checking.vocabulary_topics import (
+    expect_compatible_subscription,
+    expect_rate,
+    expect_subscription,
+    expect_topic,
+    listen,
+    publish_steadily,
+    publisher,
+    values,
+)
+from course_kit.exercises import exercise
+from course_kit.faults import all_faults
+from course_kit.faults.vocabulary import expect_well
+
+DEBUG, INFO = 10, 20
+SEEDS = (9, 31, 17)
+DRIVEN = ("/turtle1/cmd_vel", "/turtle1/pose")
+SCANS, POSES = "/scan", "/turtle1/pose"
+LEVELS = {b"\x00": "OK", b"\x01": "WARN", b"\x02": "ERROR", b"\x03": "STALE"}
+
+
+@exercise("debugging-1", "Who keeps, who loses", points=2, minutes=8, level="warm-up", timeout=5, value=True)
+def who_keeps(value: Any) -> None:
+    """The topic that is kept for latecomers, and the one that may lose messages."""
+    kept, lossy = value if isinstance(value, list) and len(value) == 2 else (value, None)
+    expect_value(
+        "the topic that is kept for those who come later",
+        _absolute(kept),
+        "/speed_limit",
+        "Its publisher has Durability TRANSIENT_LOCAL: `%ros2 topic info -v` of each topic shows it.",
+        points=1,
+    )
+    expect_value(
+        "the topic that may lose messages",
+        _absolute(lossy),
+        SCANS,
+        "Its publisher has Reliability BEST_EFFORT: `%ros2 topic info -v` of each topic shows it.",
+        points=1,
+    )
+
+
+def _absolute(name: Any) -> Any:
+    return f"/{name.strip('/')}" if isinstance(name, str) else name
+
+
+@exercise(
+    "debugging-2",
+    "Not so loud",
+    points=3,
+    minutes=10,
+    level="medium",
+    timeout=25,
+    node_class="Quiet",
+    node="/quiet",
+    watches=("/rosout", POSES),
+)
+def not_so_loud() -> None:
+    """It logs INFO once a second at most, and each pose when it is asked for DEBUG."""
+    expect_running_node("/quiet", "Quiet")
+    poses = now().watched[POSES]
+    before = len(poses)
+    expect(
+        "a turtle runs beside it",
+        wait(lambda: len(poses) >= before + 10, 3.0),
+        "No pose came on `/turtle1/pose`: `run(TurtleSim)`, and leave it running.",
+    )
+    normal = _lines_of_quiet(3.0)
+    infos = [line for line in normal if line.level >= INFO]
+    expect(
+        "it logs `x = …` as INFO, once a second at most",
+        2 <= len(infos) <= 4 and all(line.msg.startswith("x = ") and line.level == INFO for line in infos),
+        f"In 3 s it logged {len(infos)} lines{_such_as(infos)}: `throttle_duration_sec=1.0` as an argument of "
+        f"`info(…)` leaves the others out.",
+        points=1,
+    )
+    expect("its level can be set from outside", _set_level(DEBUG), _why_not_set(), points=1)
+    try:
+        details = [line for line in _lines_of_quiet(2.0) if line.level == DEBUG]
+    finally:
+        _set_level(INFO)
+    expect(
+        "at the level DEBUG it logs every pose",
+        len(details) >= 60,
+        f"In 2 s, with about 125 poses, it logged {len(details)} lines as DEBUG{_such_as(details)}: `debug(…)` for "
+        f"each pose, without a throttle.",
+        points=1,
+    )
+
+
+def _lines_of_quiet(seconds: float) -> list[Any]:
+    """What the node logs from now on for some seconds."""
+    since = time.time_ns()
+    pause(seconds)
+    heard = now().watched["/rosout"]
+    return [line for when, line in zip(heard.times, heard.messages, strict=False) if when >= since and _is_quiet(line)]
+
+
+def _is_quiet(line: Any) -> bool:
+    return bool(line.name == "quiet")
+
+
+def _such_as(lines: list[Any]) -> str:
+    return f", such as {lines[-1].msg!r}" if lines else ""
+
+
+def _set_level(level: int) -> bool:
+    client = now().student.hand.create_client(SetLoggerLevels, "/quiet/set_logger_levels")
+    if not wait(client.service_is_ready, 2.0):
+        return False
+    future = client.call_async(SetLoggerLevels.Request(levels=[LoggerLevel(name="quiet", level=level)]))
+    return wait(future.done, 3.0) and all(result.successful for result in future.result().results)
+
+
+def _why_not_set() -> str:
+    return (
+        "It has no service `/quiet/set_logger_levels`, or does not answer: make the node with "
+        '`super().__init__("quiet", enable_logger_service=True)`.'
+    )
+
+
+@exercise(
+    "debugging-3",
+    "A watchdog",
+    points=3,
+    minutes=12,
+    level="medium",
+    timeout=20,
+    node_class="Watchdog",
+    node="/watchdog",
+)
+def watchdog() -> None:
+    """It says five times a second whether a scan has come in the last half second."""
+    laser = publisher(SCANS, LaserScan, qos_profile_sensor_data)
+    answer("Watchdog")
+    expect_node("/watchdog")
+    expect_subscription(SCANS, LaserScan)
+    expect_topic("/scan_alive", Bool)
+    alive = listen("/scan_alive", Bool)
+    pause(1.5)
+    expect(
+        "without a scan it says false",
+        values(alive, "data") and not any(values(alive, "data")),
+        f"{_said(alive)} Nothing had come yet: begin with no time at all, or one long ago.",
+        points=1,
+    )
+    expect_compatible_subscription(SCANS, laser)
+    publish_steadily(laser, [LaserScan(ranges=[1.0])] * 20, period=0.1)
+    with_scans = values(alive, "data")[-5:]
+    began = time.time_ns()
+    wait(lambda: _turned_false(alive, began), 2.0)
+    delay = next((when - began for when in _false_times(alive) if when >= began), 0) * 1e-9
+    expect(
+        "it says true while scans come, and false half a second after the last",
+        all(with_scans) and with_scans and 0.2 <= delay <= 1.1,
+        f"While scans came, ten a second, it said {with_scans}, and false "
+        f"{f'{delay:.1f} s after' if delay else 'not within 2 s of'} the last one: keep the time of each scan, and "
+        f"compare it with the present time in the timer's callback, not in that of the scan.",
+        points=1,
+    )
+    expect_rate(alive, 5.0, within=0.15, points=1)
+
+
+def _said(heard: Heard) -> str:
+    said = values(heard, "data")
+    return f"It said {said[-5:]}." if said else "It said nothing."
+
+
+def _false_times(heard: Heard) -> list[int]:
+    return [when for when, data in zip(heard.times, values(heard, "data"), strict=False) if not data]
+
+
+def _turned_false(heard: Heard, since: int) -> bool:
+    return any(when >= since for when in _false_times(heard))
+
+
+@exercise("debugging-4", "A bag of a circle", points=2, minutes=10, level="medium", timeout=20, value=True)
+def circle(value: Any) -> None:
+    """A bag with the two topics and nothing else, in which the turtle goes round once."""
+    expect("the answer is the path of a bag", isinstance(value, str), f'You gave {value!r}: a text, such as "circle".')
+    path = now().folder / value
+    try:
+        found, hint = info(path), ""
+    except (BagError, OSError) as error:
+        found, hint = None, f"{error} The path is seen from the folder in which the notebook lies."
+    expect("there is a bag", found is not None, hint)
+    assert found is not None
+    there = sorted(topic.name for topic in found.topics if topic.count)
+    expect(
+        "it has both topics and nothing else, for at least 5 s",
+        there == sorted(DRIVEN) and found.seconds >= 5.0,
+        f"It has messages of {', '.join(there) or 'nothing'}, and is {found.seconds:.1f} s long: name the topics to "
+        f"`bags.record(…)`, and drive while it records.",
+        points=1,
+    )
+    poses = _poses(found)
+    turned = abs(sum(math.remainder(b.theta - a.theta, math.tau) for a, b in pairwise(poses)))
+    fastest = max((one.linear_velocity for one in poses), default=0.0)
+    expect(
+        "the turtle goes round once, at 1 m/s or more",
+        turned >= 0.97 * math.tau and fastest >= 0.99,
+        f"In the bag it turns by {math.degrees(turned):.0f}° and drives at {fastest:.1f} m/s at most: a circle takes "
+        f"2π / angular.z seconds.",
+        points=1,
+    )
+
+
+def _poses(found: BagInfo) -> list[Any]:
+    from course_kit import bags
+
+    return [message for _, _, message in bags.read(found.path, POSES)]
+
+
+@exercise(
+    "debugging-5",
+    "A distance that survives a teleport",
+    points=3,
+    minutes=15,
+    level="harder",
+    timeout=20,
+    node_class="Mileage",
+    node="/mileage",
+)
+def mileage() -> None:
+    """It adds up what was driven, without what was jumped."""
+    answer("Mileage")
+    expect_node("/mileage")
+    expect_subscription(POSES, Pose)
+    expect_topic("/mileage", Float32)
+    turtle = publisher(POSES, Pose)
+    expect_compatible_subscription(POSES, turtle)
+    heard = listen("/mileage", Float32)
+    wait(lambda: heard.publisher_count > 0, 3.0)
+    driven = [Pose(x=1.0 + 0.03 * step, y=1.0 + 0.04 * step) for step in range(61)]  # 3 m
+    publish_steadily(turtle, driven, period=0.01)
+    wait(lambda: len(heard) >= len(driven), 2.0)
+    said = values(heard, "data")
+    expect(
+        "it publishes once for each pose, beginning with 0",
+        len(said) == len(driven) and said[0] == 0.0,
+        f"For {len(driven)} poses there were {len(said)} messages{f', the first {said[0]:.2f}' if said else ''}: "
+        f"publish in the callback of the pose, also for the first one.",
+        points=1,
+    )
+    expect(
+        "60 steps of 0.05 m are 3 m",
+        abs(said[-1] - 3.0) < 0.01,
+        f"It said {said[-1]:.2f} m: add `math.dist` of one pose and the one before.",
+        points=1,
+    )
+    after = [Pose(x=9.0, y=9.0 - 0.05 * step) for step in range(21)]  # a jump, then 1 m
+    publish_steadily(turtle, after, period=0.01)
+    wait(lambda: len(heard) >= len(driven) + len(after), 2.0)
+    last = values(heard, "data")[-1]
+    expect(
+        "a teleport does not count, and what comes after it does",
+        abs(last - 4.0) < 0.01,
+        f"3 m, a jump, and 1 m more: it said {last:.2f} m. Leave out a step of more than 0.2 m, and go on from where "
+        f"the turtle is then.",
+        points=1,
+    )
+
+
+@exercise("debugging-6", "Three patients", points=5, minutes=30, level="harder", timeout=25, value=True)
+def three_patients(value: Any) -> None:
+    """The causes of three faults, the last of which is repaired."""
+    given = value if isinstance(value, list) and len(value) == len(SEEDS) else [value, *[None] * (len(SEEDS) - 1)]
+    for seed, cause in zip(SEEDS, given, strict=True):
+        fault = all_faults.pick(seed)
+        known = cause in all_faults.FAULTS if isinstance(cause, str) else False
+        expect(
+            f"the cause of seed {seed}",
+            cause == fault.id,
+            f"You gave {cause!r}. "
+            + (all_faults.find(cause).evidence if known else "It is an id, as `faults.catalogue()` lists them."),
+            points=1,
+        )
+    expect_well(points=2)
+
+
+@exercise(
+    "debugging-7",
+    "A monitor",
+    points=5,
+    minutes=40,
+    level="project",
+    timeout=40,
+    node_class="Monitor",
+    node="/monitor",
+)
+def monitor() -> None:
+    """It reports on two topics what comes of what should come."""
+    laser, turtle = publisher(SCANS, LaserScan, qos_profile_sensor_data), publisher(POSES, Pose)
+    answer("Monitor")
+    expect_node("/monitor")
+    expect_subscription(SCANS, LaserScan)
+    expect_subscription(POSES, Pose)
+    expect_topic("/diagnostics", DiagnosticArray)
+    expect_compatible_subscription(SCANS, laser)
+    expect_compatible_subscription(POSES, turtle)
+    heard = listen("/diagnostics", DiagnosticArray)
+    pause(3.3)
+    first = heard.last.status if len(heard) else []
+    expect(
+        "each report has a status for both topics",
+        sorted(one.name for one in first) == [SCANS, POSES],
+        f"The last report names {', '.join(one.name for one in first) or 'nothing'}: one DiagnosticStatus for each "
+        f"topic, with the topic as its name.",
+        points=1,
+    )
+    expect_rate(heard, 1.0, within=0.15, points=1)
+    silent = _levels(heard)
+    _drive(laser, turtle, every=1)
+    full, rates = _levels(heard), _rates(heard)
+    _drive(laser, turtle, every=3)
+    fewer = _levels(heard)
+    expect(
+        "both are OK at 10 and at 62.5 Hz",
+        full == {SCANS: "OK", POSES: "OK"},
+        f"At full rates it said {full}: count what comes, look once a second, begin to count anew.",
+        points=1,
+    )
+    expect(
+        "it says WARN at a third of the rates, and STALE when nothing comes",
+        fewer == {SCANS: "WARN", POSES: "WARN"} and silent == {SCANS: "STALE", POSES: "STALE"},
+        f"At a third it said {fewer}, with nothing {silent}: below 80 % of what should come is WARN, nothing is STALE.",
+        points=1,
+    )
+    expect(
+        "`rate` has the rates that came",
+        abs(rates.get(SCANS, 0.0) - 10.0) <= 2.5 and abs(rates.get(POSES, 0.0) - 62.5) <= 12.0,
+        f"At 10 and 62.5 Hz it said {rates}: a KeyValue(key='rate', value=…), a number as text.",
+        points=1,
+    )
+
+
+def _drive(laser: Any, turtle: Any, every: int) -> None:
+    """Three seconds of poses at 62.5 Hz and scans at 10 Hz, or of one in `every` of them."""
+    period, began = 0.016 * every, time.monotonic()
+    scans = 0
+    for tick in range(1, round(3.0 / period) + 1):
+        turtle.publish(Pose())
+        if tick * period * 10.0 / every > scans:
+            laser.publish(LaserScan(ranges=[1.0]))
+            scans += 1
+        pause(max(0.0, began + tick * period - time.monotonic()))
+
+
+def _levels(heard: Heard) -> dict[str, str]:
+    return {one.name: LEVELS.get(bytes(one.level), "?") for one in heard.last.status} if len(heard) else {}
+
+
+def _rates(heard: Heard) -> dict[str, float]:
+    found = {}
+    for one in heard.last.status if len(heard) else []:
+        for pair in one.values:
+            if pair.key == "rate":
+                try:
+                    found[one.name] = float(pair.value.split()[0])
+                except (ValueError, IndexError):
+                    continue
+    return found

@@ -1,0 +1,155 @@
+"""Whether the robot is well, seen from outside: what its topics carry over two seconds, and how often.
+
+A Watch looks, through a Station of the checker's; findings() judges, and is pure. look() does both until all is well:
+for the lab in the notebook's process, and for expect_well() (vocabulary.py) in the checker's.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from course_kit.checking.station import Heard, Station
+    from course_kit.checking.verdict import Finding
+
+Wait = Callable[[Callable[[], bool], float], object]  # wait(condition, timeout): until it holds or the time is over
+
+WINDOW = 2.0  # seconds
+RATE = 10.0  # Hz, of scans and of commands
+WITHIN = 0.25  # parts of the rate: two seconds on a busy machine
+DISTANCE = 0.5  # metres that a driving turtle makes at least in that time
+LOG_LINES = 40  # in that time
+QUIET = "/rosout"
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What came in the last `seconds`."""
+
+    seconds: float
+    scans: float  # Hz
+    commands: float  # Hz
+    distance: float  # metres that the turtle has gone
+    scans_in_map: float  # Hz
+    log_lines: int
+    twice: tuple[str, ...] = ()  # names that more than one node has
+
+
+def findings(seen: Observation) -> list[Finding]:
+    """What is well and what is not, in the order of the data's way through the robot."""
+    from course_kit.checking.verdict import Finding
+
+    in_map = 1 - WITHIN
+    looked_at = (
+        (
+            f"`/scan` has {RATE:g} scans a second",
+            abs(seen.scans - RATE) <= WITHIN * RATE,
+            f"There were {seen.scans:.1f} a second.",
+        ),
+        (
+            "nearly every scan gets into the map",
+            seen.scans_in_map >= in_map * RATE,
+            f"`/map_scans` grew by {seen.scans_in_map:.1f} a second.",
+        ),
+        (
+            f"`/turtle1/cmd_vel` has {RATE:g} commands a second",
+            abs(seen.commands - RATE) <= WITHIN * RATE,
+            f"There were {seen.commands:.1f} a second.",
+        ),
+        (
+            "the turtle drives",
+            seen.distance >= DISTANCE,
+            f"It went {seen.distance:.2f} m in {seen.seconds:g} s.",
+        ),
+        (
+            "the nodes log little",
+            seen.log_lines <= LOG_LINES,
+            f"`/rosout` had {seen.log_lines / seen.seconds:.0f} lines a second.",
+        ),
+        (
+            "no two nodes have the same name",
+            not seen.twice,
+            f"More than one is called {', '.join(seen.twice)}: one of them was left running.",
+        ),
+    )
+    return [Finding(text, ok, "" if ok else hint) for text, ok, hint in looked_at]
+
+
+class Watch:
+    """Listens to the robot's topics through a Station, from now on."""
+
+    def __init__(self, station: Station) -> None:
+        from geometry_msgs.msg import Twist  # imported late, so that judging needs no ROS
+        from rcl_interfaces.msg import Log
+        from sensor_msgs.msg import LaserScan
+        from std_msgs.msg import Int32
+        from turtlesim.msg import Pose
+
+        self._station = station
+        self._began = time.monotonic()
+        self._scans = station.listen("/scan", LaserScan)
+        self._commands = station.listen("/turtle1/cmd_vel", Twist)
+        self._poses = station.listen("/turtle1/pose", Pose)
+        self._in_map = station.listen("/map_scans", Int32)
+        self._logs = station.listen(QUIET, Log)
+
+    @property
+    def seconds(self) -> float:
+        """How long it has listened."""
+        return time.monotonic() - self._began
+
+    def observe(self, seconds: float) -> Observation:
+        """What came in the last `seconds`; all of them must have passed since the watch began."""
+        from course_kit import graph
+
+        since = time.time_ns() - int(seconds * 1e9)
+        return Observation(
+            seconds=seconds,
+            scans=_count(self._scans, since) / seconds,
+            commands=_count(self._commands, since) / seconds,
+            distance=_distance(_newest(self._poses, since)),
+            scans_in_map=_growth([message.data for message in _newest(self._in_map, since)], seconds),
+            log_lines=_count(self._logs, since),
+            twice=tuple(graph.duplicates(graph.nodes(self._station.node))),
+        )
+
+
+def look(station: Station, timeout: float, wait: Wait) -> list[Finding]:
+    """What is found in the robot, once all is well or the time is over; of the last WINDOW seconds, never of less."""
+    watch = Watch(station)
+    found: list[Finding] = []
+
+    def is_well() -> bool:
+        if watch.seconds < WINDOW:
+            return False
+        found[:] = findings(watch.observe(WINDOW))
+        return all(one.ok for one in found)
+
+    wait(lambda: watch.seconds >= WINDOW, WINDOW + 1.0)
+    wait(is_well, max(0.0, timeout - watch.seconds))
+    return found
+
+
+def _count(heard: Heard, since: int) -> int:
+    return sum(when >= since for when in heard.times)
+
+
+def _newest(heard: Heard, since: int) -> list[Any]:
+    count = _count(heard, since)
+    return heard.messages[-count:] if count else []
+
+
+def _distance(poses: Sequence[Any]) -> float:
+    return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(poses))
+
+
+def _growth(counts: Sequence[int], seconds: float) -> float:
+    """Scans a second: n messages within the time stand for n periods, and have n - 1 steps between them."""
+    if len(counts) < 2:
+        return 0.0
+    return (counts[-1] - counts[0]) / (len(counts) - 1) * len(counts) / seconds

@@ -1,0 +1,1 @@
+"""The programs of the patrol robot. Plain rclpy: they know nothing of this course."""

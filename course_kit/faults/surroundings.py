@@ -1,0 +1,104 @@
+"""The terminals that programs of the robot are started in: good ones, and such as students have had."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from course_kit import sourcing
+from course_kit.checking.domains import RANGE, reserve_stage
+from course_kit.environment.activation import PROFILE, PROFILE_VARIABLES, split_paths
+
+ROBOT = Path(__file__).with_name("robot")  # where the package `patrol` is installed, as colcon's install folder
+STOCK_LEASE = 20  # seconds that DDS keeps a participant which says nothing any more, unless it is told otherwise
+
+Environment = dict[str, str]
+
+
+class _Kept:
+    """What is made once for this process: another domain, a folder."""
+
+    domain: int | None = None
+    folder: tempfile.TemporaryDirectory[str] | None = None
+
+
+def source_robot() -> None:
+    """Have this process and its children find the package `patrol`, as sourcing its workspace would."""
+    others = [entry for entry in split_paths(os.environ.get("AMENT_PREFIX_PATH", "")) if entry != str(ROBOT)]
+    os.environ["AMENT_PREFIX_PATH"] = os.pathsep.join([str(ROBOT), *others])
+
+
+def executable(program: str) -> Path:
+    """The file that `ros2 run patrol …` runs. RuntimeError if its right to be run was lost on the way here."""
+    path = ROBOT / "lib/patrol" / program
+    if not os.access(path, os.X_OK):
+        raise RuntimeError(f"{path} is not executable. Get the course anew, or write: chmod +x {path}")
+    return path
+
+
+def _good(environ: Mapping[str, str]) -> Environment:
+    return dict(environ)
+
+
+def _not_sourced(environ: Mapping[str, str]) -> Environment:
+    return sourcing.without(environ, ROBOT)
+
+
+def _other_domain(environ: Mapping[str, str]) -> Environment:
+    if _Kept.domain is None:
+        _Kept.domain = reserve_stage()
+    return {**environ, "ROS_DOMAIN_ID": str(_Kept.domain)}
+
+
+def _no_discovery(environ: Mapping[str, str]) -> Environment:
+    without = {name: value for name, value in environ.items() if name != "ROS_LOCALHOST_ONLY"}
+    return {**without, RANGE: "OFF"}
+
+
+def _conda_first(environ: Mapping[str, str]) -> Environment:
+    """A terminal in which a Python environment without ROS 2 stands first on PATH, as conda's `base` does."""
+    folder = _folder() / "miniconda3"
+    if not folder.exists():
+        (folder / "bin").mkdir(parents=True)
+        (folder / "conda-meta").mkdir()
+        base = Path(sys.base_prefix, "bin", f"python{sys.version_info.major}.{sys.version_info.minor}")
+        (folder / "pyvenv.cfg").write_text(f"home = {base.parent}\ninclude-system-site-packages = false\n")
+        for name in ("python", "python3"):
+            (folder / "bin" / name).symlink_to(base)
+    # A sourced ROS 2 lends its modules to every Python by PYTHONPATH; conda's, of another version, cannot load them.
+    without = {name: value for name, value in environ.items() if name != "PYTHONPATH"}
+    path = os.pathsep.join([str(folder / "bin"), environ.get("PATH", "")])
+    return {**without, "PATH": path, "CONDA_PREFIX": str(folder), "CONDA_DEFAULT_ENV": "base"}
+
+
+def _long_lease(environ: Mapping[str, str]) -> Environment:
+    """A terminal without the course's short lease, so that a killed program stays listed as long as on a robot."""
+    profile = _folder() / "stock_lease.xml"
+    if not profile.exists():
+        lease = "<leaseDuration><sec>{}</sec></leaseDuration>"
+        text = PROFILE.read_text()
+        if lease.format(5) not in text:
+            raise RuntimeError(f"{PROFILE} has another lease than the fault lab expects")
+        profile.write_text(text.replace(lease.format(5), lease.format(STOCK_LEASE)))
+    return {**environ, **dict.fromkeys(PROFILE_VARIABLES, str(profile))}
+
+
+TERMINALS: dict[str, Callable[[Mapping[str, str]], Environment]] = {
+    "good": _good,
+    "not sourced": _not_sourced,
+    "other domain": _other_domain,
+    "no discovery": _no_discovery,
+    "conda": _conda_first,
+    "long lease": _long_lease,
+}
+
+
+def _folder() -> Path:
+    if _Kept.folder is None:
+        _Kept.folder = tempfile.TemporaryDirectory(prefix="course-kit-faults-")
+        atexit.register(_Kept.folder.cleanup)
+    return Path(_Kept.folder.name)

@@ -1,0 +1,170 @@
+"""The robot of the fault lab: four programs, each a process of its own, started well or with a fault."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import shlex
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+
+from course_kit import instruments, processes
+from course_kit.child_process import Process
+from course_kit.faults import surroundings
+from course_kit.faults.fault import HEALTHY, PLANNER, PROGRAMS, Fault, Start
+
+PATIENCE = 1.5  # seconds that a program has to end, after SIGINT and again after SIGTERM
+READY_TIMEOUT = 20.0
+SAYS_TIMEOUT = 8.0  # seconds for what a program says when it has found, or missed, the others
+DRIVES = "driving"
+POLL = 0.02
+WELL_TERMINALS = ("good", "long lease")  # in which a program that does not get ready is no fault of the lab's
+READY = {
+    "simulator": "Spawning turtle",
+    "scanner": "the laser is on",
+    "map_server": "the map is open",
+    "planner": "the planner is ready",
+}
+
+
+class System:
+    """The robot: which programs run, how and where they were started."""
+
+    def __init__(self) -> None:
+        self._started: dict[str, tuple[Start, Process]] = {}
+        self._extra: list[Process] = []
+        self._environments: dict[str, dict[str, str]] = {}
+        self._killed_at = -1e9
+
+    @property
+    def is_running(self) -> bool:
+        return bool(self._started)
+
+    def process(self, program: str) -> Process | None:
+        """The process that runs a program now, the student's if they have started it again."""
+        named = [one for one in processes.running() if one.name == program]
+        return named[0] if named else self._started[program][1] if program in self._started else None
+
+    def start(self, fault: Fault | None) -> None:
+        """Start the robot with a fault, or without one. Programs that run as they should go on, but for the planner."""
+        surroundings.source_robot()
+        wanted: dict[str, Start | None] = {**HEALTHY, **(fault.programs if fault else {})}
+        stay = [program for program in PROGRAMS if program != PLANNER and self._runs_as(program, wanted[program])]
+        self.stop(except_for=stay)
+        _wait_until(lambda: self.ghost_seconds == 0.0, self.ghost_seconds + 1.0)
+        for start in fault.extra if fault else ():
+            extra = Process(_command(start), start.program, self._environment(start))
+            extra.begin()
+            self._extra.append(extra)
+            _wait_until(partial(_is_up, extra, start.program))
+        last = wanted.pop(PLANNER)  # it is to find the others there
+        self._start_all([one for program, one in wanted.items() if one and program not in stay])
+        self._start_all([last] if last else [])
+        self._wait_for_planner(fault.says if fault else DRIVES)
+        if fault and fault.killed:
+            self._kill(fault.killed)
+
+    def _wait_for_planner(self, text: str) -> None:
+        """Wait until the planner has said something; it says so as late as the fault shows itself."""
+        process = self._started[PLANNER][1]
+        _wait_until(lambda: process.says(text) or not process.is_running, SAYS_TIMEOUT)
+
+    def _kill(self, program: str) -> None:
+        """Kill a program, once this process knows its node: it could not remember it otherwise."""
+        node, process = instruments.node(), self._started[program][1]
+        _wait_until(lambda: program in node.get_node_names())
+        process.send_signal(signal.SIGKILL)
+        _wait_until(lambda: not process.is_running)
+        self._killed_at = time.monotonic()
+
+    def _start_all(self, starts: Sequence[Start]) -> None:
+        """Start programs at the same time, and wait until each is ready or has failed."""
+        for start in starts:
+            process = processes.start(_command(start), name=start.program, environment=self._environment(start))
+            self._started[start.program] = start, process
+        for start in starts:
+            process = self._started[start.program][1]
+            if not _wait_until(partial(_is_up, process, start.program)):
+                raise RuntimeError(f"{start.program} was not ready after {READY_TIMEOUT:g} s. {_last_line(process)}")
+            if start.terminal in WELL_TERMINALS and not process.says(READY[start.program]):
+                raise RuntimeError(f"{start.program} {process.state}. {_last_line(process)}")
+
+    def _runs_as(self, program: str, start: Start | None) -> bool:
+        before = self._started.get(program)
+        if start is None or before is None or before[0] != start or before[1].stopped:
+            return False
+        return before[1].is_running and self.process(program) is before[1]
+
+    def _environment(self, start: Start) -> dict[str, str]:
+        terminal = surroundings.TERMINALS[start.terminal]
+        environment = {**terminal(processes.without_kernel(os.environ)), **processes.PLAIN_TERMINAL}
+        self._environments[start.program] = environment
+        return environment
+
+    @property
+    def ghost_seconds(self) -> float:
+        """How long a program that was killed stays in the graph yet; the next fault is to begin without it."""
+        return max(0.0, self._killed_at + surroundings.STOCK_LEASE + 1.0 - time.monotonic())
+
+    def terminal(self, program: str, command: str, timeout: float) -> str:
+        """What a command prints in the terminal in which a program was started. LookupError if there is none."""
+        if program not in self._environments:
+            raise LookupError(program)
+        done = subprocess.run(
+            shlex.split(command),
+            env=self._environments[program],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            timeout=timeout,
+        )
+        return done.stdout.rstrip()
+
+    def stop(self, except_for: Iterable[str] = ()) -> None:
+        """End its programs, also those that the student has started in their place."""
+        stay = set(except_for)
+        ending = [one for one in processes.running() if _is_of_robot(one) and one.name not in stay] + self._extra
+        threads = [threading.Thread(target=one.stop, args=(PATIENCE,)) for one in ending]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(20.0)
+        self._extra.clear()
+        self._started = {program: pair for program, pair in self._started.items() if program in stay}
+        if not stay:
+            self._environments.clear()
+        atexit.unregister(self.stop)
+        atexit.register(self.stop)
+
+
+def _is_of_robot(process: Process) -> bool:
+    return process.name in PROGRAMS or process.command[1:3] == ("run", "patrol")
+
+
+def _command(start: Start) -> list[str]:
+    """What is really run: the executable itself, which spares a process each; `ros2 run` where that cannot find it."""
+    if start.terminal == "not sourced":
+        return start.command.split()
+    return [str(surroundings.executable(start.program)), *start.command.split()[4:]]
+
+
+def _last_line(process: Process) -> str:
+    return f"Its last line is: {process.lines[-1]}" if process.lines else "It has written nothing."
+
+
+def _is_up(process: Process, program: str) -> bool:
+    return process.says(READY[program]) or not process.is_running
+
+
+def _wait_until(condition: Callable[[], bool], timeout: float = READY_TIMEOUT) -> bool:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        if time.monotonic() >= deadline:
+            return False
+        time.sleep(POLL)
+    return True

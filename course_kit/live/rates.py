@@ -1,0 +1,71 @@
+"""Rates, bandwidth, delay and log lines of many topics at once, live."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from course_kit import context, graph, instruments, meters, rosout, topics
+from course_kit.live.view import LONGEST, Bundle, LiveView, as_text
+from course_kit.measure import Reading
+from course_kit.meters import RateMeter, bandwidth_text, delay_text
+from course_kit.text import table
+
+PERIOD = 0.5  # seconds between two tables
+HEADINGS = ("topic", "from", "rate", "period min", "max", "delay", "bandwidth", "lost", "age")
+QUIET = 2.0  # seconds without a message after which a topic is said to be silent
+
+
+def watch_rates(*wanted: Any, last: float = 3.0, period: float = PERIOD, seconds: float = LONGEST) -> LiveView:
+    """Show a table of rates, bandwidths and delays, live: `ros2 topic hz`, `bw` and `delay` for many topics at once.
+
+    Without topics, all that nodes publish, also those that come later. The numbers are about the `last` seconds.
+    Below stands how many lines each node logs a second. It ends with .stop(), with the next run of its cell, or
+    after `seconds`.
+    """
+    if last <= 0 or period <= 0:
+        raise ValueError("last and period are spans of time in seconds: give more than 0")
+    context.start()
+    rosout.collect()
+    types = topics.look_up(instruments.node(), topics.with_types(wanted), 10.0) if wanted else {}
+    meter = RateMeter(types, meters.WINDOW)
+
+    def draw() -> Bundle:
+        if not wanted:
+            _add_new(meter)
+        return as_text(rates_text(meter, last))
+
+    return LiveView("rates", draw, meter.stop, period, seconds)
+
+
+def _add_new(meter: RateMeter) -> None:
+    """Measure what is published since the last look."""
+    node = instruments.node()
+    for topic in meters.published_now():
+        types = {publisher.topic_type for publisher in topics.publishers(node, topic)}
+        if topic in meter.topics or graph.is_hidden(topic) or len(types) != 1:
+            continue
+        try:
+            meter.add(topic, topics.message_class(types.pop()))
+        except (ImportError, ValueError, TypeError):  # a type that is not built here, or two types
+            continue
+
+
+def rates_text(meter: RateMeter, last: float) -> str:
+    """The present table, with the log lines of each node below it."""
+    rows = [(topic, *_row(topic, reading)) for topic, reading in sorted(meter.read(last).items())]
+    shown = table([HEADINGS, *rows], left=2) if rows else "(no node publishes anything)"
+    logged = rosout.log_rates(max(last, 1.0))
+    return f"{shown}\n\n{logged!r}" if logged else shown
+
+
+def _row(topic: str, reading: Reading) -> tuple[str, ...]:
+    publishers = sorted({topics.node_name(one) for one in topics.publishers(instruments.node(), topic)})
+    who = publishers[0] if len(publishers) == 1 else f"{len(publishers)} nodes" if publishers else "nobody"
+    lost, age = f"{reading.lost:,}", f"{reading.age:.1f} s"
+    if not reading.messages:
+        return (who, "-", "-", "-", "-", "-", lost, "none came")
+    if reading.window < 2:
+        return (who, "silent" if reading.age > QUIET else "-", "-", "-", "-", "-", lost, age)
+    period = (f"{value * 1e3:.1f} ms" for value in (reading.period.min, reading.period.max))
+    delay = delay_text(reading.delay.mean)
+    return (who, f"{reading.rate:,.1f} Hz", *period, delay, bandwidth_text(reading.bandwidth), lost, age)

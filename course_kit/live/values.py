@@ -1,0 +1,49 @@
+"""Numbers of topics over time, drawn as they come."""
+
+from __future__ import annotations
+
+from course_kit import field_paths, value_plots, value_series
+from course_kit.figures import Plot, style
+from course_kit.live.view import LONGEST, Bundle, LiveView, as_picture
+from course_kit.recording import record
+from course_kit.value_series import Values
+
+PERIOD = 0.5  # seconds between two pictures: one takes most of a tenth of a second of the processor
+KEPT = 20_000  # messages of each topic
+MOST = 1500  # of them in one picture
+
+
+def watch_values(
+    *paths: str, span: float = 10.0, period: float = PERIOD, seconds: float = LONGEST, timeout: float = 10.0
+) -> LiveView:
+    """Draw numbers of topics over the last `span` seconds, live, one row a path: '/turtle1/pose.x'.
+
+    Paths and errors are those of values(). It ends with .stop(), with the next run of its cell, or after `seconds`.
+    """
+    wanted = [field_paths.parse(path) for path in paths]
+    if not wanted:
+        raise TypeError("give paths of numbers, such as '/turtle1/pose.x'")
+    types = value_series.live_types(wanted, timeout)
+    value_series.readers(wanted, types)
+    named = [item for topic, message_type in types.items() for item in (topic, message_type)]
+    recording = record(*named, keep=KEPT)
+
+    def draw() -> Bundle:
+        now = recording.duration
+        read = value_series.from_recording(wanted, recording, since=now - span, most=MOST)
+        return as_picture(_picture(read, span, now))
+
+    return LiveView("values", draw, recording.stop, period, seconds)
+
+
+def _picture(read: Values, span: float, now: float) -> Plot:
+    """The last part of the values, at the same width of time whatever came."""
+    plot = Plot(8.4, 0.7 + 1.5 * len(read))
+    rows = plot.subplots(len(read), 1, squeeze=False, sharex=True)[:, 0]
+    for axes, colour, series in zip(rows, value_plots.COLOURS * len(read), read.values(), strict=False):
+        style(axes, title=series.path)
+        value_plots.draw_series(axes, series, colour, series.start_ns)
+        value_plots.widen(axes)
+        axes.set_xlim(max(0.0, now - span), max(span, now))
+    rows[-1].set_xlabel("time since the start [s]", fontsize=10)
+    return plot

@@ -1,0 +1,151 @@
+"""The fault lab's catalogue and its face: what is offered, what is said to a right and to a wrong answer."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections import Counter
+from collections.abc import Iterator
+
+import pytest
+
+from course_kit import faults
+from course_kit.faults import all_faults, health, lab, robots_manual
+from course_kit.faults.fault import HEALTHY, PROGRAMS, Fault
+from course_kit.faults.surroundings import TERMINALS, executable
+from course_kit.ros2.command import parser_for
+
+pytestmark = pytest.mark.usefixtures("fresh_domain")
+
+EVERY = list(all_faults.FAULTS.values())
+GOOD = health.Observation(2.0, scans=10.0, commands=10.0, distance=1.5, scans_in_map=10.0, log_lines=2)
+
+
+@pytest.fixture
+def told_of(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The lab with a fault whose robot is not started."""
+    monkeypatch.setattr(lab._lab, "fault", all_faults.find("qos"))
+    monkeypatch.setattr(lab._lab, "hints_given", 0)
+    yield
+
+
+def test_there_are_at_least_fourteen_faults():
+    assert len(EVERY) >= 14
+
+
+@pytest.mark.parametrize("fault", EVERY, ids=lambda one: one.id)
+def test_a_fault_can_be_chosen_from_several_causes_and_does_not_name_itself(fault: Fault):
+    offered = [one.id for one in all_faults.options(fault)]
+    assert len(set(offered)) == len(offered) == 5
+    assert fault.id in offered
+    assert fault.cause not in (fault.symptom, fault.evidence, *fault.hints)
+    assert len(fault.hints) == 3
+    assert fault.looks
+
+
+@pytest.mark.parametrize("fault", EVERY, ids=lambda one: one.id)
+def test_a_fault_starts_some_program_otherwise(fault: Fault):
+    assert set(fault.programs) <= set(PROGRAMS)
+    assert fault.extra or fault.programs
+    assert all(start != HEALTHY[program] for program, start in fault.programs.items())
+    starts = [start for start in (*fault.programs.values(), *fault.extra) if start is not None]
+    assert all(start.terminal in TERMINALS for start in starts)
+
+
+@pytest.mark.parametrize("fault", EVERY, ids=lambda one: one.id)
+def test_command_lines_in_hints_are_ones_that_ros2_understands(fault: Fault):
+    named = [line for hint in fault.hints for line in re.findall(r"`%ros2 ([^`]+)`", hint)]
+    lines = [*named, *(line.partition(" ")[2] for line in fault.looks)]
+    for line in lines:
+        assert hasattr(parser_for(shlex.split(line)).parse_args(shlex.split(line)), "verb"), line
+
+
+def test_every_program_can_be_run():
+    assert [executable(program).name for program in PROGRAMS] == list(PROGRAMS)
+
+
+def test_the_manual_says_how_each_program_is_started():
+    text = robots_manual.text()
+    assert all(f'start("{start.command}", name="{program}")' in text for program, start in HEALTHY.items())
+
+
+def test_a_seed_picks_the_same_fault_again_and_seeds_pick_many():
+    assert all_faults.pick(7) is all_faults.pick(7)
+    picked = Counter(all_faults.pick(seed).id for seed in range(200))
+    assert len(picked) == len(EVERY)
+
+
+@pytest.mark.parametrize(
+    ("change", "which"),
+    [
+        ({"scans": 0.0}, "/scan"),
+        ({"scans_in_map": 5.0}, "map"),
+        ({"commands": 20.0}, "cmd_vel"),
+        ({"distance": 0.1}, "drives"),
+        ({"log_lines": 700}, "log"),
+        ({"twice": ("/planner",)}, "same name"),
+    ],
+)
+def test_each_thing_that_is_not_well_is_found(change, which):
+    assert all(one.ok for one in health.findings(GOOD))
+    wrong = [one for one in health.findings(health.Observation(**{**vars(GOOD), **change})) if not one.ok]
+    assert len(wrong) == 1
+    assert which in wrong[0].text
+    assert wrong[0].hint
+
+
+def test_the_right_cause_is_accepted_and_others_are_refused_with_what_one_would_see(told_of):
+    assert faults.answer("qos")
+    for one in EVERY:
+        if one.id != "qos":
+            said = faults.answer(one.id)
+            assert not said
+            assert one.evidence in str(said)
+            assert all_faults.find("qos").cause not in str(said)
+
+
+def test_hints_come_one_after_another_and_the_last_one_again(told_of):
+    said = [str(faults.hint()) for _ in range(4)]
+    assert said[0].startswith("Hint 1 of 3: ")
+    assert said[2] == said[3]
+    assert len(set(said)) == 3
+
+
+def test_a_solution_is_the_cause_and_a_cell(told_of):
+    assert "start(" in str(faults.solution())
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (lambda: faults.start("qoss"), "there is no fault 'qoss'. Did you mean 'qos'?"),
+        (lambda: faults.start("qos", seed=1), "not both"),
+        (lambda: faults.start(7), "there is no fault"),  # type: ignore[arg-type]
+        (lambda: faults.answer("qos"), "No fault is in the robot"),
+        (lambda: faults.hint(), "No fault is in the robot"),
+        (lambda: faults.solution(), "No fault is in the robot"),
+        (lambda: faults.symptom(), "No fault is in the robot"),
+        (lambda: faults.is_repaired(), "No fault is in the robot"),
+        (lambda: faults.terminal("scanner", "printenv"), "was not started from a terminal"),
+    ],
+)
+def test_what_makes_no_sense_gets_one_line(asked, said):
+    told = asked()
+    assert not told
+    assert said in str(told)
+    assert len(str(told).splitlines()) == 1
+
+
+def test_a_wrong_word_as_an_answer_gets_one_line(told_of):
+    assert str(faults.answer("quos")) == "faults: there is no cause 'quos'. Did you mean 'qos'?"
+
+
+def test_a_program_that_the_robot_does_not_have_is_refused():
+    with pytest.raises(ValueError, match="simulator, scanner, map_server, planner"):
+        faults.process("plannr")
+
+
+def test_the_catalogue_lists_every_cause():
+    shown = str(faults.catalogue())
+    assert all(one.id in shown and one.cause in shown for one in EVERY)
+    assert "<pre" in faults.catalogue()._repr_html_()

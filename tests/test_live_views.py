@@ -1,0 +1,153 @@
+"""The live views in a real kernel: they show, they change, they end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.kernel import Kernel
+
+SET_UP = """
+from rclpy.node import Node
+from geometry_msgs.msg import PoseStamped
+from turtlesim.msg import Pose
+from course_kit import run, stop
+from course_kit.live.rates import watch_rates
+from course_kit.live.resources import watch_resources
+from course_kit.live.values import watch_values
+from course_kit.live.logs import watch_logs
+
+class Robot(Node):
+    def __init__(self):
+        super().__init__("robot")
+        self.poses = self.create_publisher(Pose, "/turtle1/pose", 10)
+        self.goals = self.create_publisher(PoseStamped, "/goal", 10)
+        self.create_timer(0.02, self.tick)
+        self.count = 0
+
+    def tick(self):
+        self.count += 1
+        self.poses.publish(Pose(x=float(self.count)))
+        goal = PoseStamped()
+        goal.header.stamp = self.get_clock().now().to_msg()
+        self.goals.publish(goal)
+        self.get_logger().info(f"step {self.count}")
+        if self.count % 10 == 0:
+            self.get_logger().warn("ten <more>")
+
+robot = run(Robot)
+"""
+
+
+@pytest.fixture(scope="module")
+def kernel() -> Iterator[Kernel]:
+    one = Kernel()
+    one.run(SET_UP)
+    yield one
+    one.close()
+
+
+def of_view(kernel: Kernel, cell: str) -> str:
+    """What a cell's view shows now; empty before it shows anything."""
+    try:
+        return kernel.shown(cell)
+    except StopIteration:
+        return ""
+
+
+def value(kernel: Kernel, code: str) -> str:
+    """What an expression gives in the kernel."""
+    cell = kernel.run(f"print({code})")
+    kernel.until(lambda: kernel.text(cell))
+    return kernel.text(cell).strip()
+
+
+def updates(kernel: Kernel, cell: str) -> list[Any]:
+    shown = [m["content"] for m in kernel.of(cell) if m["msg_type"] == "display_data"]
+    identity = shown[0]["transient"]["display_id"]
+    changed = [m["content"] for m in kernel.messages if m["msg_type"] == "update_display_data"]
+    return [one["data"] for one in changed if one["transient"]["display_id"] == identity]
+
+
+def test_rates_of_all_topics_are_shown_and_new_topics_join(kernel: Kernel) -> None:
+    cell = kernel.run("view = watch_rates(period=0.2)\nview")
+
+    def row(topic: str) -> list[str]:
+        return next((line.split() for line in of_view(kernel, cell).splitlines() if line.startswith(topic)), [])
+
+    kernel.until(lambda: "Hz" in row("/goal"), 20)
+    assert row("/goal")[1] == "/robot"
+    rate, delay = float(row("/goal")[2]), float(row("/goal")[8])
+    assert 0 < rate < 70 and 0 < delay < 1000
+    assert row("/turtle1/pose")[8] == "-"  # a turtle's pose has no stamp
+    kernel.until(lambda: "lines/s" in of_view(kernel, cell))
+    assert row("/robot")
+    kernel.run("late = run(Node, 'late'); there = late.create_publisher(Pose, '/late', 10)")
+    kernel.until(lambda: row("/late"), 20)
+    assert len([m for m in kernel.of(cell) if m["msg_type"] in ("display_data", "execute_result")]) == 1
+    kernel.run("view.stop(); stop('late')")
+    assert value(kernel, "view") == "<rates, stopped>"
+
+
+def test_named_topics_only(kernel: Kernel) -> None:
+    cell = kernel.run("view = watch_rates('/goal', period=0.2)")
+    kernel.until(lambda: "/goal" in of_view(kernel, cell) and "Hz" in of_view(kernel, cell), 20)
+    assert "/turtle1/pose" not in of_view(kernel, cell)
+    kernel.run("view.stop()")
+
+
+def test_resources_are_shown(kernel: Kernel) -> None:
+    cell = kernel.run("view = watch_resources(period=0.2)")
+    kernel.until(lambda: "this notebook" in of_view(kernel, cell) and "MB" in of_view(kernel, cell), 20)
+    assert "thread of /robot" in of_view(kernel, cell)
+    kernel.run("view.stop()")
+
+
+def test_values_are_drawn_as_they_come_until_the_end(kernel: Kernel) -> None:
+    cell = kernel.run("view = watch_values('/turtle1/pose.x', '/goal.pose.position.x', period=0.2, seconds=3)")
+    kernel.until(lambda: len({data["image/png"] for data in updates(kernel, cell)}) >= 3, 20)
+    kernel.until(lambda: value(kernel, "view.is_running") == "False", 20)
+    count = len(updates(kernel, cell))
+    assert value(kernel, "1") == "1" and len(updates(kernel, cell)) == count
+
+
+def test_the_log_console_filters_by_node_level_and_text(kernel: Kernel) -> None:
+    kernel.run("panel = watch_logs()")
+    kernel.until(lambda: "step" in value(kernel, "panel._lines.value"), 20)
+    kernel.run("panel.level.value = 'WARN'")
+    assert value(kernel, "{line.level_name for line in panel.shown()}") == "{'WARN'}"
+    kernel.until(lambda: "ten &lt;more&gt;" in value(kernel, "panel._lines.value"), 20)
+    kernel.until(lambda: "step" not in value(kernel, "panel._lines.value"), 20)
+    kernel.run("panel.level.value = 'DEBUG'; panel.text.value = 'STEP'; panel.node.value = '/robot'")
+    assert value(kernel, "{line.level_name for line in panel.shown()}") == "{'INFO'}"
+    assert value(kernel, "'/robot' in panel.node.options") == "True"
+
+
+def test_the_log_console_sets_levels(kernel: Kernel) -> None:
+    kernel.run("panel = watch_logs('/robot', 'DEBUG')\npanel.set_level.value = 'ERROR'")
+    assert value(kernel, "robot.get_logger().get_effective_level().name") == "ERROR"
+    assert "/robot logs ERROR" in value(kernel, "panel._answer.value")
+    kernel.run("panel.set_level.value = 'INFO'; panel.node.value = 'all nodes'; panel.set_level.value = 'DEBUG'")
+    assert "choose a node first" in value(kernel, "panel._answer.value")
+    kernel.run("panel.close()")
+
+
+def test_a_cell_that_is_run_again_replaces_its_view(kernel: Kernel) -> None:
+    kernel.run("first = watch_rates('/goal', period=0.2)")
+    kernel.run("second = watch_rates('/goal', period=0.2)")
+    assert value(kernel, "first.is_running, second.is_running") == "False True"
+    kernel.run("third, fourth = watch_rates('/goal'), watch_rates('/turtle1/pose')")
+    assert value(kernel, "second.is_running, third.is_running, fourth.is_running") == "False True True"
+    kernel.run("third.stop(); fourth.stop()")
+
+
+def test_a_bad_path_and_the_end_of_ros_are_survived(kernel: Kernel) -> None:
+    cell = kernel.send("watch_values('/turtle1/pose.xx')")
+    kernel.finish(cell)
+    (error,) = [m["content"] for m in kernel.of(cell) if m["msg_type"] == "error"]
+    assert error["ename"] == "ValueError" and "Did you mean '/turtle1/pose.x'?" in error["evalue"]
+    kernel.run("view = watch_rates(period=0.1); panel = watch_logs(); used = watch_resources(period=0.1)")
+    kernel.run("from course_kit import context; context.stop()", 30)
+    assert value(kernel, "view.is_running, used.is_running") == "False False"
