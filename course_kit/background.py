@@ -19,8 +19,10 @@ from typing import Any, TypeVar
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from course_kit import context, errors, processes, rosout
-from course_kit.child_process import Process
+from course_kit import context, errors
+from course_kit.node_logs import rosout
+from course_kit.programs import processes
+from course_kit.programs.child_process import Process
 from course_kit.spinning import SpinThread, destroy, executor_for
 
 NodeType = TypeVar("NodeType", bound=Node)

@@ -19,8 +19,9 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
-from course_kit import context, errors, topics
-from course_kit.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
+from course_kit import context, errors
+from course_kit.recordings.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
+from course_kit.ros_graph import topics
 
 MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be matched
 
@@ -144,7 +145,7 @@ def stop() -> None:
     if ending is None:
         return
     ending.watcher.stop()
-    if discovery := sys.modules.get("course_kit.discovery"):
+    if discovery := sys.modules.get("course_kit.ros_graph.discovery"):
         discovery.forget(ending.node)
     with contextlib.suppress(Exception):  # each of these fails if a student shut ROS down before
         ending.stopped.set_result(True)

@@ -12,11 +12,11 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
-from course_kit import topics
 from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot, style
-from course_kit.recording import Recording, record
+from course_kit.recordings.recording import Recording, record
+from course_kit.recordings.topic_recording import TopicRecording
+from course_kit.ros_graph import topics
 from course_kit.scene import TRANSFORMS, UNKNOWN, Frames, Layer, Scene, layer, scene
-from course_kit.topic_recording import TopicRecording
 
 # Free, occupied and unknown cells; the ground outside a map is white, so free is not.
 FREE, OCCUPIED, NOT_KNOWN = "#e9eef4", "#15181c", "#a9aca6"

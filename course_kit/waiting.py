@@ -9,7 +9,8 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from course_kit import background, processes, spinning
+from course_kit import background, spinning
+from course_kit.programs import processes
 
 
 class FutureLike(Protocol):

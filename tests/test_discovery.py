@@ -14,7 +14,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
-from course_kit import discovery
+from course_kit.ros_graph import discovery
 from tests.benchmark.child import ROOT, Program, environment
 from tests.waiting import wait_until
 

@@ -16,9 +16,9 @@ from unique_identifier_msgs.msg import UUID
 
 from course_kit import context
 from course_kit.background import run, stop
-from course_kit.goal_plots import plot_conversation, plot_goal_states, plot_goals
-from course_kit.goals import goals_of
-from course_kit.recording import Recording, record
+from course_kit.calls.goal_plots import plot_conversation, plot_goal_states, plot_goals
+from course_kit.calls.goals import goals_of
+from course_kit.recordings.recording import Recording, record
 from course_kit.waiting import wait_for
 
 STATUS, FEEDBACK = "/counting/_action/status", "/counting/_action/feedback"

@@ -18,10 +18,10 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_kit import context, instruments
-from course_kit.graph_data import Channel, Endpoint, Qos, Snapshot
-from course_kit.graph_plots import look, observer, plot_graph
 from course_kit.live.graph import GraphView, show_graph
-from course_kit.matching import explanations
+from course_kit.ros_graph.graph_data import Channel, Endpoint, Qos, Snapshot
+from course_kit.ros_graph.graph_plots import look, observer, plot_graph
+from course_kit.ros_graph.matching import explanations
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
@@ -184,9 +184,7 @@ def test_the_first_picture_of_a_process_misses_nothing(here: Node) -> None:
     with Partner("one") as one, Partner("two", "/robot") as two:
         one.do("node.create_publisher(String, '/chatter', 10)")
         two.do("node.create_subscription(String, '/chatter', print, 10)")
-        program = (
-            "from course_kit.graph_plots import plot_graph\nprint(*(t.get_text() for t in plot_graph().axes[0].texts))"
-        )
+        program = "from course_kit import plot_graph\nprint(*(t.get_text() for t in plot_graph().axes[0].texts))"
         done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
         assert done.stderr == "" and done.stdout.startswith("3 nodes, 1 topic /robot /here /one two /chatter ")
 
@@ -283,7 +281,7 @@ def test_a_view_of_a_node_that_has_gone_says_so_and_waits_for_it(here: Node) -> 
 def test_in_a_kernel_a_cell_shows_the_picture_and_the_live_view_ends_with_the_kernel() -> None:
     kernel = Kernel()
     try:
-        kernel.run("from course_kit.graph_plots import plot_graph\nfrom course_kit.live.graph import show_graph")
+        kernel.run("from course_kit import plot_graph, show_graph")
         kinds = [k for m in kernel.of(kernel.run("plot_graph()")) for k in m["content"].get("data", {})]
         assert "image/png" in kinds
         shown = kernel.run("view = show_graph()\nview")

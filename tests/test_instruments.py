@@ -16,7 +16,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Int32, String
 
-from course_kit import context, errors, instruments, topics
+from course_kit import context, errors, instruments
+from course_kit.ros_graph import topics
 from tests.senders import Sender
 from tests.waiting import wait_until
 
@@ -250,7 +251,8 @@ PROGRAM = """
 import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
-from course_kit import context, instruments, topics
+from course_kit import context, instruments
+from course_kit.ros_graph import topics
 got = []
 subscription = instruments.subscribe('/program', lambda message, info: got.append(message), String)
 talker = Node('talker')

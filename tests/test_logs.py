@@ -10,10 +10,12 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from course_kit import background, context, processes, rosout
-from course_kit.child_process import Process
-from course_kit.log_directory import log_files, log_folder, parse
-from course_kit.log_levels import log_level, set_log_level
+from course_kit import background, context
+from course_kit.node_logs import rosout
+from course_kit.node_logs.log_directory import log_files, log_folder, parse
+from course_kit.node_logs.log_levels import log_level, set_log_level
+from course_kit.programs import processes
+from course_kit.programs.child_process import Process
 from tests.waiting import wait_until
 
 PROGRAM = [sys.executable, str(Path(__file__).with_name("plain_node.py"))]

@@ -15,8 +15,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_kit import context
-from course_kit.measure import ArrivalWindow, measure, rate_over_time, spread
-from course_kit.meters import Rates, measure_rates, rates
+from course_kit.recordings.measure import ArrivalWindow, measure, rate_over_time, spread
+from course_kit.recordings.meters import Rates, measure_rates, rates
 from tests.senders import Sender
 from tests.waiting import wait_until
 

@@ -14,8 +14,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from course_kit import chapter_packages
-from course_kit.workspaces import Workspace
+from course_kit.colcon import chapter_packages
+from course_kit.colcon.workspaces import Workspace
 
 FOLDER = Path(__file__).parents[1] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))

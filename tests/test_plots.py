@@ -20,11 +20,12 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import context, tracks
+from course_kit import context
 from course_kit.figures import COLOURS, INK, PANEL, PAPER
-from course_kit.meters import measure_rates
-from course_kit.plots import plot_pose, plot_rates
-from course_kit.recording import Recording, record
+from course_kit.recordings import tracks
+from course_kit.recordings.meters import measure_rates
+from course_kit.recordings.plots import plot_pose, plot_rates
+from course_kit.recordings.recording import Recording, record
 from tests.kernel import Kernel
 from tests.senders import Sender
 from tests.waiting import wait_until
@@ -218,8 +219,8 @@ def test_a_cell_that_ends_in_a_plot_shows_it_once_and_one_that_does_not_shows_no
     kernel = Kernel()
     try:
         kernel.run(
-            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit import topics\n"
-            "from course_kit.recording import record\nfrom course_kit.plots import plot_rates"
+            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit.ros_graph import topics\n"
+            "from course_kit.recordings.recording import record\nfrom course_kit.recordings.plots import plot_rates"
         )
         assert pictures(kernel, kernel.run(CELL + "plot_rates(recording)")) == ["image/png"]
         assert pictures(kernel, kernel.run("figure = plot_rates(recording)")) == []

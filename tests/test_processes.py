@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from course_kit import processes, start, stop, wait_for
-from course_kit.process_output import LineCutter, as_seen
+from course_kit import start, stop, wait_for
+from course_kit.programs import processes
+from course_kit.programs.process_output import LineCutter, as_seen
 from tests.kernel import Kernel
 from tests.ros2_launches import is_alive, none_left
 from tests.waiting import wait_until

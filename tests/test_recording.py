@@ -19,10 +19,11 @@ from sensor_msgs.msg import Image, LaserScan
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import background, context, fields, instruments
-from course_kit.buffers import MessageBuffer
-from course_kit.recording import Recording, RecordingTimeout, record
-from course_kit.topic_recording import TopicRecording
+from course_kit import background, context, instruments
+from course_kit.recordings import fields
+from course_kit.recordings.buffers import MessageBuffer
+from course_kit.recordings.recording import Recording, RecordingTimeout, record
+from course_kit.recordings.topic_recording import TopicRecording
 from tests.senders import DIGITS, PLACES, Sender
 from tests.waiting import wait_until
 
@@ -296,8 +297,8 @@ def test_a_recording_survives_rclpy_shutdown_with_what_it_has() -> None:
 import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
-from course_kit.recording import record
-from course_kit import topics
+from course_kit.recordings.recording import record
+from course_kit.ros_graph import topics
 recording = record('/program', String)
 publisher = Node('talker').create_publisher(String, '/program', 10)
 publisher.publish(String(data='x'))

@@ -21,11 +21,11 @@ from turtlesim.msg import Pose
 
 from course_kit import background, bags, context
 from course_kit.bags.writer import BagWriter
-from course_kit.recording import record
-from course_kit.replay_plots import plot_comparison
-from course_kit.replayed import Replayed, compare
-from course_kit.replaying import replay
-from course_kit.value_series import values
+from course_kit.recordings.recording import record
+from course_kit.recordings.value_series import values
+from course_kit.replays.replay_plots import plot_comparison
+from course_kit.replays.replayed import Replayed, compare
+from course_kit.replays.replaying import replay
 from tests.waiting import wait_until
 
 SECOND = 10**9

@@ -14,12 +14,13 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit import background, context, instruments, processes, processes_with_nodes
-from course_kit.child_process import Process
-from course_kit.meters import measure_rates
-from course_kit.processes_with_nodes import NOTEBOOK, Origin, listens
-from course_kit.resource_plots import plot_resources
-from course_kit.resources import record_resources
+from course_kit import background, context, instruments
+from course_kit.programs import processes, processes_with_nodes
+from course_kit.programs.child_process import Process
+from course_kit.programs.processes_with_nodes import NOTEBOOK, Origin, listens
+from course_kit.programs.resource_plots import plot_resources
+from course_kit.programs.resources import record_resources
+from course_kit.recordings.meters import measure_rates
 from tests.waiting import wait_until
 
 PROGRAM = [sys.executable, str(Path(__file__).with_name("plain_node.py"))]

@@ -20,11 +20,12 @@ from typing import Any
 
 import pytest
 
-from course_kit import bags, context, instruments, topics
+from course_kit import bags, context, instruments
 from course_kit.bags import files as bag_files
 from course_kit.bags.files import BagInfo, BagTopic
 from course_kit.bags.writer import BagWriter
 from course_kit.ros2 import bag_text
+from course_kit.ros_graph import topics
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND, ros2
 from tests.ros2_running import Running

@@ -11,7 +11,7 @@ import pytest
 from rclpy.serialization import serialize_message
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
-from course_kit.discovery import entities, participants_listening
+from course_kit.ros_graph.discovery import entities, participants_listening
 from tests.benchmark.child import Program
 from tests.ros2_command import own_domain, ros2
 from tests.waiting import wait_until

@@ -31,7 +31,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
 
 from course_kit.ros2.message_values import NotYaml, parse, populate, stamp
 from course_kit.ros2.message_yaml import Shown, fields, to_csv, to_dict, to_yaml
-from course_kit.topics import message_class
+from course_kit.ros_graph.topics import message_class
 
 EXAMPLES = settings(
     max_examples=6,

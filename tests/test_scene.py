@@ -16,7 +16,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header, String
 
-from course_kit import context, topics
+from course_kit import context
+from course_kit.ros_graph import topics
 from course_kit.scene import Frames, layer, matrix, scene
 from course_kit.scene_plots import FREE, NOT_KNOWN, OCCUPIED, plot_scene, shades
 

@@ -15,10 +15,11 @@ from pathlib import Path
 
 import pytest
 
-from course_kit import Workspace, processes, start, wait_for
-from course_kit.colcon_output import BuildOutput
+from course_kit import Workspace, start, wait_for
+from course_kit.colcon.colcon_output import BuildOutput
+from course_kit.colcon.workspaces import Build, BuildError
 from course_kit.environment.activation import has_ros_wheels, sourced_ros
-from course_kit.workspaces import Build, BuildError
+from course_kit.programs import processes
 from tests import packages
 from tests.course_copy import fresh_environ
 from tests.kernel import Kernel

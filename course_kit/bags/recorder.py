@@ -22,11 +22,12 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from course_kit import context, errors, graph, topics
+from course_kit import context, errors
 from course_kit.bags import qos as bag_qos
 from course_kit.bags import types as bag_types
 from course_kit.bags.selection import Selection
-from course_kit.raw_subscriptions import RawSubscription, Watcher
+from course_kit.recordings.raw_subscriptions import RawSubscription, Watcher
+from course_kit.ros_graph import graph, topics
 
 if TYPE_CHECKING:
     from course_kit.bags.writer import BagWriter

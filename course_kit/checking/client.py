@@ -13,12 +13,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from course_kit import sourcing
 from course_kit.checking import stage
 from course_kit.checking.lines import Closed, Lines, Message
 from course_kit.checking.verdict import NOT_LOOKED_AT, Verdict
-from course_kit.child_process import Process
+from course_kit.colcon import sourcing
 from course_kit.environment.activation import split_paths
+from course_kit.programs.child_process import Process
 
 START_TIMEOUT = 20.0  # seconds until the checker answers at all
 GRACE = 6.0  # seconds that a check may take more than its exercise says: discovery before, tidying after

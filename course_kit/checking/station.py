@@ -17,10 +17,10 @@ from rclpy.serialization import deserialize_message
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit import context as ros_context
-from course_kit import discovery, graph
 from course_kit.checking.domains import on_this_machine
 from course_kit.checking.stage import WITHOUT_DESCRIPTIONS
-from course_kit.raw_subscriptions import RawSubscription, Watcher
+from course_kit.recordings.raw_subscriptions import RawSubscription, Watcher
+from course_kit.ros_graph import discovery, graph
 from course_kit.spinning import SpinThread, destroy, executor_for
 
 DEPTH = 10_000

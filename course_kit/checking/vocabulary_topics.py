@@ -9,12 +9,12 @@ from typing import Any
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from course_kit import topics
 from course_kit.checking.examination import now
 from course_kit.checking.station import Heard
 from course_kit.checking.vocabulary import SETTLE_TIMEOUT, nearest, pause
-from course_kit.measure import measure
-from course_kit.topics import type_name
+from course_kit.recordings.measure import measure
+from course_kit.ros_graph import topics
+from course_kit.ros_graph.topics import type_name
 
 MATCH_TIMEOUT = 3.0
 

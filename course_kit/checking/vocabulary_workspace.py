@@ -16,12 +16,13 @@ from typing import Any
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 
-from course_kit import processes, sourcing
 from course_kit.checking.domains import RANGE
 from course_kit.checking.examination import WORKSPACE, now
 from course_kit.checking.vocabulary import nearest
 from course_kit.checking.vocabulary_services import Client
-from course_kit.child_process import Process
+from course_kit.colcon import sourcing
+from course_kit.programs import processes
+from course_kit.programs.child_process import Process
 
 START_TIMEOUT = 15.0  # seconds that programs have until their nodes are there, on a busy machine
 STOP_PATIENCE = 2.0

@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import course_kit
-from course_kit import rosout
-from course_kit.child_process import Process
 from course_kit.faults import all_faults, health, robots_manual
 from course_kit.faults.fault import PROGRAMS, Fault
 from course_kit.faults.system import System
 from course_kit.faults.told import Told, lines_of
+from course_kit.node_logs import rosout
+from course_kit.programs.child_process import Process
 from course_kit.text import table
 
 if TYPE_CHECKING:

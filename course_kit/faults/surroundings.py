@@ -9,8 +9,8 @@ import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from course_kit import sourcing
 from course_kit.checking.domains import RANGE, reserve_stage
+from course_kit.colcon import sourcing
 from course_kit.environment.activation import PROFILE, PROFILE_VARIABLES, split_paths
 
 ROBOT = Path(__file__).with_name("robot")  # where the package `patrol` is installed, as colcon's install folder

@@ -10,7 +10,8 @@ from typing import Any, Protocol
 from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
-from course_kit import background, context, errors, rosout
+from course_kit import background, context, errors
+from course_kit.node_logs import rosout
 
 LAST_LINES = 8
 # Seconds between two updates of a console: a node may log a thousand times a second.

@@ -6,9 +6,9 @@ import html
 
 from IPython.display import DisplayHandle, display
 
-from course_kit import processes
-from course_kit.child_process import Process
 from course_kit.live.console import current_cell, refresh
+from course_kit.programs import processes
+from course_kit.programs.child_process import Process
 
 LAST_LINES = 12
 SIGNS = {"running": "▶", "stopped": "■", "ended": "■", "failed": "✘"}

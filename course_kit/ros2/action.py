@@ -20,7 +20,7 @@ def _list_arguments(parser: ArgumentParser) -> None:
 
 
 def _list(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     print_list(session, graph.actions(session.graph()), args.count_actions, args.show_types)
 
@@ -44,7 +44,7 @@ def _info(args: Namespace, session: Session) -> None:
     from rclpy.expand_topic_name import expand_topic_name
     from rclpy.validate_full_topic_name import validate_full_topic_name
 
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     node = session.graph()
     try:
@@ -66,7 +66,7 @@ def _type_arguments(parser: ArgumentParser) -> None:
 
 
 def _type(args: Namespace, session: Session) -> int:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     return print_types(session, graph.actions(session.graph()).get(args.action_name, []))
 

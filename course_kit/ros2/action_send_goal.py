@@ -82,7 +82,7 @@ def _spun_node(session: Session) -> Iterator[Node]:
 
 
 def _wait_for_server(session: Session, client: Any, name: str, action_type: str) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     if session.until(client.server_is_ready, GONE, poll=0.005):
         return

@@ -201,8 +201,8 @@ def _act(key: str, player: Player) -> None:
 
 def _options(args: Namespace) -> PlayOptions:
     """What the command line asks for; CommandError for what cannot be."""
-    from course_kit import topics
     from course_kit.bags.player import PlayOptions
+    from course_kit.ros_graph import topics
 
     try:
         remap = {}

@@ -199,8 +199,8 @@ def _show(recorder: Recorder, session: Session, log_level: str, timeout: float =
 
 def _selection(args: Namespace, session: Session, folder: str) -> Selection:
     """What to record; CommandError for what contradicts itself, with rosbag2's words."""
-    from course_kit import topics
     from course_kit.bags.selection import Selection
+    from course_kit.ros_graph import topics
 
     names = args.topics_positional or args.topics
     every = args.all or args.all_topics

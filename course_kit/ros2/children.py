@@ -13,7 +13,7 @@ from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import IO, Any
 
-from course_kit.orphans import Watch, mark
+from course_kit.programs.orphans import Watch, mark
 from course_kit.ros2.session import DurationOver, Session
 from course_kit.ros2.verbs import CommandError
 

@@ -20,7 +20,7 @@ def _beginning(names: Iterable[str], prefix: str) -> list[str]:
 
 def topic_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """Topics of the graph."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     with_hidden = getattr(parsed_args, "include_hidden_topics", False)
     return _beginning(graph.topics(Session(parsed_args).graph(), with_hidden), prefix)
@@ -28,21 +28,21 @@ def topic_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
 
 def service_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """Services of the graph."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     return _beginning(graph.services(Session(parsed_args).graph()), prefix)
 
 
 def action_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """Actions of the graph."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     return _beginning(graph.actions(Session(parsed_args).graph()), prefix)
 
 
 def node_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """Nodes of the graph."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     return _beginning((name.full_name for name in graph.nodes(Session(parsed_args).graph())), prefix)
 
@@ -58,7 +58,7 @@ def parameter_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
 
 def topic_types_in_use(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """Types of the topics of the graph."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     topics = graph.topics(Session(parsed_args).graph(), with_hidden=True)
     return _beginning(sorted({t for types in topics.values() for t in types}), prefix)
@@ -66,7 +66,7 @@ def topic_types_in_use(prefix: str, parsed_args: Namespace, **_: Any) -> list[st
 
 def service_types_in_use(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """Types of the services of the graph."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     services = graph.services(Session(parsed_args).graph(), with_hidden=True)
     return _beginning(sorted({t for types in services.values() for t in types}), prefix)
@@ -74,7 +74,7 @@ def service_types_in_use(prefix: str, parsed_args: Namespace, **_: Any) -> list[
 
 def type_of_topic(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """The type of the topic that was named before; every message type if nobody has it."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     topic = getattr(parsed_args, "topic_name", "")
     types = graph.topics(Session(parsed_args).graph(), with_hidden=True).get(topic)
@@ -83,7 +83,7 @@ def type_of_topic(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
 
 def type_of_service(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """The type of the service that was named before; every service type if nobody offers it."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     service = getattr(parsed_args, "service_name", "")
     types = graph.services(Session(parsed_args).graph(), with_hidden=True).get(service)
@@ -92,7 +92,7 @@ def type_of_service(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
 
 def type_of_action(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """The type of the action that was named before; every action type if nobody offers it."""
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     action = getattr(parsed_args, "action_name", "")
     types = graph.actions(Session(parsed_args).graph()).get(action)

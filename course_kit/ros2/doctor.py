@@ -113,7 +113,7 @@ def _distro(versions: dict[str, str]) -> str:
 
 
 def _topics(node: Node) -> Iterator[Topic]:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     for name in graph.topics(node, with_hidden=True):
         if name not in doctor_checks.PARTNERLESS:

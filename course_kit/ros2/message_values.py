@@ -116,7 +116,7 @@ def _sequence(element: Any, default: Any, value: Any, times: list[Any]) -> Any:
     except TypeError:
         raise _unfit(list, value) from None
     if isinstance(element, NamespacedType):
-        from course_kit.topics import message_class
+        from course_kit.ros_graph.topics import message_class
 
         kind = message_class("/".join(element.namespaced_name()))
         return [_message(element, kind, item, times) for item in values]

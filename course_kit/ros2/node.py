@@ -17,7 +17,7 @@ def _list_arguments(parser: ArgumentParser) -> None:
 
 
 def _list(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     names = graph.nodes(session.graph(), with_hidden=args.all)
     if args.count_nodes:
@@ -50,7 +50,7 @@ def block(heading: str, named: Mapping[str, Sequence[str]]) -> str:
 def _info(args: Namespace, session: Session) -> None:
     from rclpy.node import NodeNameNonExistentError
 
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     node = session.graph()
     known = [name.full_name for name in graph.nodes(node, with_hidden=True)]

@@ -13,7 +13,7 @@ from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, add_strategy_arguments, did_you_mean
 
 if TYPE_CHECKING:
-    from course_kit.graph import NodeName
+    from course_kit.ros_graph.graph import NodeName
 
 LABELS = {
     1: "Boolean value is:",
@@ -42,14 +42,14 @@ def _parameter_argument(parser: ArgumentParser, name: str = "parameter_name", na
 
 
 def _nodes(args: Namespace, session: Session) -> list[NodeName]:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     return sorted(graph.nodes(session.graph(), args.include_hidden_nodes))
 
 
 def _found_node(args: Namespace, session: Session) -> str:
     """The full name of the node that was named."""
-    from course_kit.graph import NodeName
+    from course_kit.ros_graph.graph import NodeName
 
     known = [name.full_name for name in _nodes(args, session)]
     wanted = NodeName.of(args.node_name).full_name
@@ -76,7 +76,7 @@ def _list_arguments(parser: ArgumentParser) -> None:
 
 
 def _list(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     chosen = [graph.NodeName.of(_found_node(args, session))] if args.node_name else _nodes(args, session)
     try:

@@ -25,7 +25,7 @@ def _list_arguments(parser: ArgumentParser) -> None:
 
 
 def _list(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     services = graph.services(session.graph(), args.include_hidden_services)
     print_list(session, services, args.count_services, args.show_types)
@@ -42,7 +42,7 @@ def _info_arguments(parser: ArgumentParser) -> None:
 
 
 def _info(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     node = session.graph()
     services = graph.services(node, args.include_hidden_services)
@@ -61,7 +61,7 @@ def _type_arguments(parser: ArgumentParser) -> None:
 
 
 def _type(args: Namespace, session: Session) -> int:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     return print_types(session, graph.services(session.graph(), with_hidden=True).get(args.service_name, []))
 
@@ -79,7 +79,7 @@ def _find_arguments(parser: ArgumentParser) -> None:
 
 
 def _find(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     services = graph.services(session.graph(), args.include_hidden_services)
     print_found(session, services, args.service_type, args.count_services, service_types())

@@ -56,7 +56,7 @@ def _run(args: Namespace, session: Session) -> None:
 
 
 def _wait_for_service(session: Session, client: Any, service_type: str) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     if session.until(client.service_is_ready, GONE, poll=0.002):
         return

@@ -55,7 +55,7 @@ class Session:
 
     def graph(self) -> Node:
         """The node, once it knows the whole graph as it is now."""
-        from course_kit import discovery
+        from course_kit.ros_graph import discovery
 
         node = self.node
         known = discovery.of(node)

@@ -29,7 +29,7 @@ def _list_arguments(parser: ArgumentParser) -> None:
 
 
 def _list(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     node = session.graph()
     topics = graph.topics(node, args.include_hidden_topics)
@@ -63,7 +63,7 @@ def _info_arguments(parser: ArgumentParser) -> None:
 
 
 def _info(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     node = session.graph()
     topics = graph.topics(node, with_hidden=True)
@@ -88,7 +88,7 @@ def _type_arguments(parser: ArgumentParser) -> None:
 
 
 def _type(args: Namespace, session: Session) -> int:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     return print_types(session, graph.topics(session.graph(), with_hidden=True).get(args.topic_name, []))
 
@@ -106,7 +106,7 @@ def _find_arguments(parser: ArgumentParser) -> None:
 
 
 def _find(args: Namespace, session: Session) -> None:
-    from course_kit import graph
+    from course_kit.ros_graph import graph
 
     topics = graph.topics(session.graph(), args.include_hidden_topics)
     print_found(session, topics, args.topic_type, args.count_topics, message_types())

@@ -130,8 +130,8 @@ def _decoder(kind: Any) -> Callable[[bytes], Any]:
 
 
 def _message_class(session: Session, args: Namespace, topic: str) -> Any:
-    from course_kit import topics
     from course_kit.ros2.interface_classes import interface_class
+    from course_kit.ros_graph import topics
 
     if args.message_type is not None:
         kind = interface_class(args.message_type, "msg")
@@ -181,7 +181,8 @@ class _Arrivals:
 @contextmanager
 def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Iterator[_Arrivals]:
     """The messages of a topic while the block runs."""
-    from course_kit import instruments, topics
+    from course_kit import instruments
+    from course_kit.ros_graph import topics
 
     arrivals = _Arrivals()
     if topic_endpoints.is_chosen(args):

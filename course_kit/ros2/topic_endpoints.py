@@ -134,7 +134,7 @@ def positive_float(text: str) -> float:
 
 def full_name(topic: str) -> str:
     """The full name of a topic. Raises CommandError for what cannot be one."""
-    from course_kit import topics
+    from course_kit.ros_graph import topics
 
     try:
         return topics.absolute(topic)

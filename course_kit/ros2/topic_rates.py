@@ -18,8 +18,8 @@ from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_node_arguments
 
 if TYPE_CHECKING:
-    from course_kit.measure import Spread
-    from course_kit.raw_subscriptions import RawSubscription
+    from course_kit.recordings.measure import Spread
+    from course_kit.recordings.raw_subscriptions import RawSubscription
 
 PERIOD = 1.0  # seconds between two lines
 HZ_WINDOW, BW_WINDOW, DELAY_WINDOW = 10_000, 100, 10_000
@@ -64,7 +64,7 @@ def delay_text(delay: Spread, window: int) -> str:
 
 def _wait_for_type(session: Session, topic: str) -> str:
     """The type of a topic; waits for one to appear, with the real command's warning."""
-    from course_kit import topics
+    from course_kit.ros_graph import topics
 
     name = topic_endpoints.full_name(topic)
     found = dict(session.graph().get_topic_names_and_types()).get(name, [])
@@ -125,7 +125,7 @@ def _hz_arguments(parser: ArgumentParser) -> None:
 def _hz(args: Namespace, session: Session) -> None:
     from rclpy.serialization import deserialize_message
 
-    from course_kit.measure import ArrivalWindow, measure
+    from course_kit.recordings.measure import ArrivalWindow, measure
     from course_kit.ros2.topic_echo_text import expression
 
     window = ArrivalWindow(args.window_size + 1)  # so many periods
@@ -180,7 +180,7 @@ def _bw_arguments(parser: ArgumentParser) -> None:
 
 
 def _bw(args: Namespace, session: Session) -> None:
-    from course_kit.measure import ArrivalWindow, spread
+    from course_kit.recordings.measure import ArrivalWindow, spread
 
     window = ArrivalWindow(max(args.window, 2))
     append = window.appender()
@@ -212,8 +212,8 @@ def _delay_arguments(parser: ArgumentParser) -> None:
 def _delay(args: Namespace, session: Session) -> None:
     from rclpy.serialization import deserialize_message
 
-    from course_kit import topics
-    from course_kit.measure import spread
+    from course_kit.recordings.measure import spread
+    from course_kit.ros_graph import topics
 
     kind = topics.message_class(_wait_for_type(session, args.topic))
     if "header" not in kind.get_fields_and_field_types():

@@ -11,7 +11,7 @@ import subprocess
 import threading
 from collections.abc import Callable, Iterable, Sequence
 
-from course_kit.process_output import LineCutter
+from course_kit.programs.process_output import LineCutter
 
 CHUNK = 65536
 # Output that grandchildren hold open is not waited for longer than this once the process has ended.

@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from course_kit import orphans
+from course_kit.programs import orphans
 from course_kit.ros2.launching import events, output
 from course_kit.ros2.launching.actions import is_substitution
 from course_kit.ros2.launching.child import Child

@@ -9,7 +9,7 @@ import signal
 import traceback
 from collections.abc import Iterable
 
-from course_kit.orphans import Watch
+from course_kit.programs.orphans import Watch
 from course_kit.ros2.launching import events, output
 from course_kit.ros2.launching.context import LaunchContext
 from course_kit.ros2.launching.entities import LaunchDescription, visit_all

@@ -1,0 +1,1 @@
+"""Service calls and goals of actions as data and as pictures, from what their ends publish about them."""

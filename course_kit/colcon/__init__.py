@@ -1,0 +1,1 @@
+"""Colcon workspaces: build, source, import, and the packages that chapters share."""

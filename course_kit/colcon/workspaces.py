@@ -1,0 +1,174 @@
+"""Workspace: a colcon workspace that is built and used from a notebook.
+
+`workspace.build(...)` is what `colcon build ...` is in a terminal, `workspace.use()` what `source install/setup.bash`
+is; `workspace.start(command)` starts a command as a terminal does in which the workspace was sourced.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from course_kit.colcon import sourcing, workspace_import
+from course_kit.colcon.colcon_output import BuildOutput
+from course_kit.programs import processes
+from course_kit.programs.child_process import Process
+
+# What a workspace has at its top, and reset() removes.
+MADE_BY_COLCON = ("build", "install", "log")
+PARTS = ("src", *MADE_BY_COLCON)
+
+
+class BuildError(RuntimeError):
+    """A build that failed; its text says which package and why. Notebooks show no traceback for it."""
+
+    def __init__(self, build: Build) -> None:
+        super().__init__(build.explanation)
+        self.build = build
+
+    def _render_traceback_(self) -> list[str]:
+        return str(self).splitlines()
+
+
+@dataclass(frozen=True)
+class Build:
+    """What a `colcon build` did."""
+
+    arguments: Sequence[str]
+    status: int  # its exit status
+    finished: dict[str, float]  # package -> seconds
+    failed: dict[str, str]  # package -> how
+    lines: list[str] = field(repr=False)  # all that it wrote
+    explanation: str = field(default="", repr=False)  # the lines that matter of one that failed
+    seconds: float = 0.0
+
+    @property
+    def ok(self) -> bool:
+        return self.status == 0
+
+    def __repr__(self) -> str:
+        return f"{len(self.finished)} built, {len(self.failed)} failed, {self.seconds:.1f} s"
+
+
+class Workspace:
+    """A folder with `src`, and what colcon makes beside it: `build`, `install`, `log`."""
+
+    def __init__(self, folder: Path | str = "ros2_ws") -> None:
+        """`folder` lies beside the notebook, unless it is a whole path. It is made, with `src` in it, if need be."""
+        self.folder = Path(folder).absolute()
+        self.src = self.folder / "src"
+        self.install = self.folder / "install"
+        self.src.mkdir(parents=True, exist_ok=True)
+
+    def __repr__(self) -> str:
+        return f"{self.folder}: {', '.join(self.packages) or 'no packages yet'}"
+
+    @property
+    def packages(self) -> list[str]:
+        """The folders with a package.xml below `src`."""
+        return sorted(path.parent.name for path in self.src.rglob("package.xml"))
+
+    def reset(self, *packages: str) -> None:
+        """Make it a fresh one, with an empty `src`; or only these packages of it, as if they had never been there.
+
+        What was in `src` is kept once, in the folder's name + `_before`. Raises ValueError if there is anything else in
+        the folder (then it may not be a workspace), or if a package's name is none.
+        """
+        kept = self.folder.with_name(f"{self.folder.name}_before")
+        if packages:
+            for name in packages:
+                self._reset_package(name, kept)
+            return
+        foreign = sorted(path.name for path in self.folder.iterdir() if path.name not in PARTS)
+        if foreign:
+            raise ValueError(
+                f"{self.folder} has {', '.join(foreign)} in it, which no workspace has: nothing is removed"
+            )
+        for name in MADE_BY_COLCON:
+            shutil.rmtree(self.folder / name, ignore_errors=True)
+        if any(self.src.iterdir()):
+            shutil.rmtree(kept, ignore_errors=True)
+            self.src.rename(kept)
+        self.src.mkdir(exist_ok=True)
+
+    def _reset_package(self, name: str, kept: Path) -> None:
+        if not re.fullmatch(r"\w[\w-]*", name):
+            raise ValueError(f"{name!r} is no name of a package: nothing is removed")
+        for made in ("build", "install"):
+            shutil.rmtree(self.folder / made / name, ignore_errors=True)
+        if (self.src / name).exists():
+            kept.mkdir(exist_ok=True)
+            shutil.rmtree(kept / name, ignore_errors=True)
+            (self.src / name).rename(kept / name)
+
+    def build(self, *arguments: str, check: bool = True) -> Build:
+        """Run `colcon build` with these arguments in the workspace; what it says is printed as it comes.
+
+        Of a package that fails, only the lines that matter are shown: BuildError has them, unless `check` is False.
+        An interrupt ends the build.
+        """
+        output = BuildOutput()
+
+        def show(line: str) -> None:
+            for shown in output.feed(line):
+                print(shown, flush=True)
+
+        begun = time.monotonic()
+        process = processes.run_through(("colcon", "build", *arguments), self.unsourced, self.folder, show)
+        status = process.wait(processes.KILL_TIMEOUT)
+        for package in output.failed:
+            output.read_log(package, self._log(package))
+        explanation = output.explanation() if status else ""
+        seconds = time.monotonic() - begun
+        build = Build(arguments, status, output.finished, output.failed, output.lines, explanation, seconds)
+        if status and check:
+            raise BuildError(build)
+        if explanation:
+            print(explanation)
+        elif not build.finished:
+            print(f"Nothing was built. Packages in {self.src}: {', '.join(self.packages) or 'none'}.")
+        return build
+
+    def _log(self, package: str) -> list[str]:
+        """All that the tools of a package said in the last build."""
+        path = self.folder / "log/latest_build" / package / "stdout_stderr.log"
+        return path.read_text(errors="replace").splitlines() if path.is_file() else []
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """The environment of a terminal in which `source install/setup.bash` was done, in the workspace."""
+        return sourcing.sourced(self.install / "setup.bash", self.unsourced)
+
+    @property
+    def changes(self) -> dict[str, list[str]]:
+        """What sourcing adds to the environment: for each variable the new entries."""
+        return sourcing.added(self.unsourced, self.environment)
+
+    @property
+    def unsourced(self) -> dict[str, str]:
+        """The environment of a new terminal, in which the workspace is not sourced, whatever this notebook uses."""
+        return sourcing.without(processes.without_kernel(os.environ), self.folder)
+
+    def start(self, command: str | Sequence[str], name: str | None = None) -> Process:
+        """Start a command as start() does, in the workspace's folder and with the workspace sourced."""
+        return processes.start(command, name, self.environment, self.folder)
+
+    def use(self) -> None:
+        """Source it for this notebook: its packages can be imported, `%ros2` and start() know them.
+
+        After another build call it again. An interface package that was imported before stays as it was until the
+        kernel is restarted; that is said.
+        """
+        environment = self.environment
+        changes = sourcing.added(self.unsourced, environment)
+        stale = workspace_import.see(self.folder, changes.get("PYTHONPATH", []))
+        for name in changes:
+            os.environ[name] = environment[name]
+        if stale:
+            names = ", ".join(stale)
+            print(f"{names} was built again after it was imported. To use the new one, restart the kernel.")

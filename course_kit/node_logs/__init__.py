@@ -1,0 +1,1 @@
+"""What nodes log: as it arrives, at which level, in which files."""

@@ -1,0 +1,1 @@
+"""Topics into memory: recorded, measured, as arrays, over time, as pictures."""

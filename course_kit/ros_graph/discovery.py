@@ -1,0 +1,203 @@
+"""Whether this process knows the whole graph of this machine, so that a list of it misses nothing.
+
+Three sources, each complete in its own way, are compared: the UDP ports on which participants of this domain listen
+(how many there are), the `ros_discovery_info` message that every participant keeps for newcomers (its nodes, and the
+ids of all their publishers, subscriptions, services and clients), and the endpoints that discovery has brought.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+import time
+import weakref
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import rclpy
+from rclpy.node import Node
+
+from course_kit.recordings.rmw_subscription import SerializedSubscription
+from course_kit.ros_graph.topics import UNKNOWN_NODE
+
+POLL = 0.01  # seconds
+REST = 2.5  # seconds without news after which no more is expected: lost messages are repeated each second
+TAKE_PERIOD = 1.0  # seconds between two looks at the messages of a process that stays
+TOPIC = "ros_discovery_info"
+DEPTH = 1000
+GID_SIZE = 16  # bytes of an endpoint's id, the first PARTICIPANT_SIZE of which are its participant's
+PARTICIPANT_SIZE = 12
+
+# How RTPS computes the ports of a domain's participants: 2 for each, for discovery and for data.
+PORT_BASE, DOMAIN_GAIN, PARTICIPANT_GAIN = 7400, 250, 2
+DISCOVERY_OFFSET, DATA_OFFSET = 10, 11
+
+_lock = threading.Lock()
+_discoveries: weakref.WeakKeyDictionary[Node, Discovery] = weakref.WeakKeyDictionary()
+
+
+def of(node: Node) -> Discovery:
+    """The discovery of a node, made at the first use and kept with it."""
+    with _lock:
+        if node not in _discoveries:
+            _discoveries[node] = Discovery(node)
+        return _discoveries[node]
+
+
+def participants_listening(domain: int, table: str) -> int:
+    """How many participants of a domain have their ports open, from the text of /proc/net/udp."""
+    first = PORT_BASE + DOMAIN_GAIN * domain
+    ports = {int(line.split()[1].rsplit(":", 1)[1], 16) for line in table.splitlines()[1:]}
+    discovery = range(first + DISCOVERY_OFFSET, first + DOMAIN_GAIN, PARTICIPANT_GAIN)
+    gap = DATA_OFFSET - DISCOVERY_OFFSET
+    return sum(port in ports and port + gap in ports for port in discovery)
+
+
+@dataclass(frozen=True)
+class Entities:
+    """What one participant announces: its id, its nodes as (name, namespace), and the ids of all their endpoints."""
+
+    participant: bytes
+    nodes: tuple[tuple[str, str], ...]
+    endpoints: frozenset[bytes]
+
+
+def entities(data: bytes) -> Entities:
+    """Read a serialised rmw_dds_common/msg/ParticipantEntitiesInfo.
+
+    Read here, because the message's Python class loads numpy, which takes longer than all else that a list does.
+    """
+    place = 4  # behind the header, which says how integers are stored; its size keeps the alignment of 4
+    order = "little" if data[1] & 1 else "big"
+
+    def take(size: int) -> bytes:
+        nonlocal place
+        place += size
+        return data[place - size : place]
+
+    def take_count() -> int:
+        nonlocal place
+        place += -place % 4
+        return int.from_bytes(take(4), order)  # type: ignore[arg-type]
+
+    def take_text() -> str:
+        return take(take_count()).rstrip(b"\0").decode()
+
+    participant = take(GID_SIZE)
+    nodes, ids = [], []
+    for _ in range(take_count()):
+        namespace, name = take_text(), take_text()
+        nodes.append((name, namespace))
+        for _ in range(2):  # its readers, its writers
+            ids += [take(GID_SIZE) for _ in range(take_count())]
+    return Entities(participant[:PARTICIPANT_SIZE], tuple(nodes), frozenset(ids))
+
+
+class Discovery:
+    """What one node has learned of the graph so far, and what it must still learn."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = weakref.ref(node)
+        self._domain = node.context.get_domain_id()
+        self._announced: dict[bytes, Entities] = {}  # by participant
+        self._known = 0  # participants, at the last look
+        self._found: set[bytes] = set()  # endpoints that the graph has shown with their node
+        self._lock = threading.Lock()
+        self._is_kept = False
+        self._subscription: SerializedSubscription | None = None
+        if rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
+            self._subscription = SerializedSubscription(node, TOPIC, "rmw_dds_common", "ParticipantEntitiesInfo", DEPTH)
+
+    def keep(self, node: Node) -> None:
+        """Take messages regularly from now on: for a process that stays, so that none is overwritten."""
+        if not self._is_kept:
+            self._is_kept = True
+            node.create_timer(TAKE_PERIOD, self._take)
+
+    def close(self) -> None:
+        """End the subscription; before the node is destroyed."""
+        if self._subscription is not None:
+            self._subscription.close()
+
+    def wait(self, timeout: float) -> bool:
+        """Wait until the node knows every participant, node and endpoint that is there; whether it does.
+
+        Returns False after `timeout` seconds, or when nothing new has come for REST seconds: then something listens
+        on the domain's ports that is no ROS node, or a process hangs.
+        """
+        deadline = time.monotonic() + timeout
+        state, changed = None, time.monotonic()
+        while not self.is_whole():
+            now = time.monotonic()
+            if self._node() is None:
+                return False
+            if (new := (self._known, len(self._announced), len(self._found))) != state:
+                state, changed = new, now
+            if now >= min(deadline, changed + REST):
+                return False
+            time.sleep(POLL)
+        return True
+
+    def is_whole(self) -> bool:
+        """Whether every participant is known and has named its nodes, and all their endpoints are known."""
+        node = self._node()
+        if node is None:
+            return False
+        known = self._participants(node)
+        self._known = len(known)
+        if self._subscription is None:
+            return False
+        if len(known) < participants_listening(self._domain, Path("/proc/net/udp").read_text()):
+            return False
+        self._take()
+        if not known <= self._announced.keys():
+            return False
+        announced = [self._announced[participant] for participant in known]
+        # The middleware reads these messages for itself, earlier or later than they are read here.
+        if Counter(n for a in announced for n in a.nodes) - Counter(node.get_node_names_and_namespaces()):
+            return False
+        missing = set().union(*(a.endpoints for a in announced)) - self._found
+        return not missing or self._look_for(node, missing)
+
+    def alive(self, listed: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
+        """Of listed nodes, as (name, namespace), those whose participant is there.
+
+        The middleware keeps a node for ever if its last message is read after the end of its participant.
+        """
+        node = self._node()
+        if node is None or self._subscription is None:
+            return list(listed)
+        known = self._participants(node)
+        self._take()
+        if not known <= self._announced.keys():
+            return list(listed)
+        there = Counter(n for participant in known for n in self._announced[participant].nodes)
+        return list((Counter(listed) & there).elements())
+
+    def _participants(self, node: Node) -> set[bytes]:
+        writers = node.get_publishers_info_by_topic(TOPIC, no_mangle=True)
+        return {bytes(writer.endpoint_gid)[:PARTICIPANT_SIZE] for writer in writers}
+
+    def _take(self) -> None:
+        with self._lock:
+            while self._subscription is not None and (data := self._subscription.take()) is not None:
+                announced = entities(data)
+                self._announced[announced.participant] = announced
+
+    def _look_for(self, node: Node, missing: set[bytes]) -> bool:
+        for topic, _ in node.get_topic_names_and_types(no_demangle=True):
+            for look in (node.get_publishers_info_by_topic, node.get_subscriptions_info_by_topic):
+                found = {bytes(e.endpoint_gid) for e in look(topic, no_mangle=True) if e.node_name != UNKNOWN_NODE}
+                self._found |= found
+                missing -= found
+            if not missing:
+                return True
+        return False
+
+
+def forget(node: Node) -> None:
+    """Close what was kept for a node that is about to be destroyed."""
+    with _lock, contextlib.suppress(KeyError):
+        _discoveries.pop(node).close()

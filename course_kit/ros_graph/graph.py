@@ -1,0 +1,213 @@
+"""Who talks to whom, as data: nodes, topics, services and actions that a node knows of, and their endpoints."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.duration import Duration
+from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.qos import QoSProfile
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from course_kit.ros_graph import discovery
+from course_kit.ros_graph.graph_data import (
+    EVERY_NODES_SERVICES,
+    EVERYWHERE,
+    Channel,
+    Endpoint,
+    GraphNode,
+    Qos,
+    Snapshot,
+)
+
+NamesAndTypes = dict[str, list[str]]
+ACTION_PARTS = ("/_action/send_goal", "/_action/cancel_goal", "/_action/get_result")
+
+
+@dataclass(frozen=True, order=True)
+class NodeName:
+    """A node's name and namespace."""
+
+    name: str
+    namespace: str
+
+    @property
+    def full_name(self) -> str:
+        """The name as it is written: /namespace/name."""
+        return f"{self.namespace.rstrip('/')}/{self.name}"
+
+    @property
+    def is_hidden(self) -> bool:
+        return is_hidden(self.full_name)
+
+    @staticmethod
+    def of(full_name: str) -> NodeName:
+        """The node name that a full name, or a name in the root namespace, means."""
+        namespace, _, name = ("/" + full_name.lstrip("/")).rpartition("/")
+        return NodeName(name, namespace or "/")
+
+
+def is_hidden(name: str) -> bool:
+    """Whether a part of a name begins with an underscore: such names are for tools, and not listed."""
+    return any(part.startswith("_") for part in name.split("/"))
+
+
+def _visible(pairs: Any, with_hidden: bool) -> NamesAndTypes:
+    return {name: list(types) for name, types in sorted(pairs) if with_hidden or not is_hidden(name)}
+
+
+def nodes(node: Node, with_hidden: bool = False) -> list[NodeName]:
+    """The nodes, sorted by name; a name that two nodes share comes twice."""
+    listed = discovery.of(node).alive(node.get_node_names_and_namespaces())
+    names = [NodeName(name, namespace) for name, namespace in listed]
+    return sorted((n for n in names if with_hidden or not n.is_hidden), key=lambda n: n.full_name)
+
+
+def duplicates(names: list[NodeName]) -> dict[str, int]:
+    """The full names that more than one node has, and how many have it."""
+    return {name: count for name, count in Counter(n.full_name for n in names).items() if count > 1}
+
+
+def topics(node: Node, with_hidden: bool = False) -> NamesAndTypes:
+    """{topic: types}, sorted."""
+    return _visible(node.get_topic_names_and_types(), with_hidden)
+
+
+def services(node: Node, with_hidden: bool = False) -> NamesAndTypes:
+    """{service: types}, sorted; those that actions are made of are hidden."""
+    return _visible(node.get_service_names_and_types(), with_hidden)
+
+
+def actions(node: Node) -> NamesAndTypes:
+    """{action: types}, sorted."""
+    from rclpy.action import get_action_names_and_types
+
+    return _visible(get_action_names_and_types(node), True)
+
+
+def publishers(node: Node, topic: str) -> list[TopicEndpointInfo]:
+    """The publishers of a topic."""
+    found: list[TopicEndpointInfo] = node.get_publishers_info_by_topic(topic)
+    return found
+
+
+def subscriptions(node: Node, topic: str) -> list[TopicEndpointInfo]:
+    """The subscriptions to a topic."""
+    found: list[TopicEndpointInfo] = node.get_subscriptions_info_by_topic(topic)
+    return found
+
+
+@dataclass(frozen=True)
+class Interfaces:
+    """What one node offers and uses, each {name: types}."""
+
+    subscribers: NamesAndTypes
+    publishers: NamesAndTypes
+    service_servers: NamesAndTypes
+    service_clients: NamesAndTypes
+    action_servers: NamesAndTypes
+    action_clients: NamesAndTypes
+
+
+def interfaces(node: Node, of: NodeName, with_hidden: bool = False) -> Interfaces:
+    """The interfaces of the node named `of`. Raises rclpy's NodeNameNonExistentError if it has gone."""
+    from rclpy.action import (
+        get_action_client_names_and_types_by_node,
+        get_action_server_names_and_types_by_node,
+    )
+
+    who = of.name, of.namespace
+    return Interfaces(
+        subscribers=_visible(node.get_subscriber_names_and_types_by_node(*who), with_hidden),
+        publishers=_visible(node.get_publisher_names_and_types_by_node(*who), with_hidden),
+        service_servers=_visible(node.get_service_names_and_types_by_node(*who), with_hidden),
+        service_clients=_visible(node.get_client_names_and_types_by_node(*who), with_hidden),
+        action_servers=_visible(get_action_server_names_and_types_by_node(node, *who), with_hidden),
+        action_clients=_visible(get_action_client_names_and_types_by_node(node, *who), with_hidden),
+    )
+
+
+def action_clients_and_servers(node: Node, action: str) -> tuple[list[tuple[str, list[str]]], ...]:
+    """The nodes that use an action and those that offer it, each as (full name, types), sorted."""
+    clients, servers = [], []
+    for name in nodes(node, with_hidden=True):
+        offered = interfaces(node, name, with_hidden=True)
+        if action in offered.action_clients:
+            clients.append((name.full_name, offered.action_clients[action]))
+        if action in offered.action_servers:
+            servers.append((name.full_name, offered.action_servers[action]))
+    return clients, servers
+
+
+def snapshot(node: Node, hidden: bool = False, services: bool = False, actions: bool = True) -> Snapshot:
+    """The whole graph as data: nodes and topics with types and QoS, actions and on request services.
+
+    Left out unless `hidden`: names with a leading underscore, and the topics and services that every node has.
+    """
+    there = nodes(node, hidden)
+    counts = Counter(name.full_name for name in there)
+    channels = [_topic(node, name, counts) for name in topics(node, hidden) if hidden or name not in EVERYWHERE]
+    if services or actions:
+        channels += _calls(node, set(there), hidden, services, actions)
+    # A node may have gone, or been found, between two questions: what is left of a channel then is not one.
+    kept = (channel for channel in channels if channel.ends)
+    return Snapshot(tuple(GraphNode(name, count) for name, count in sorted(counts.items())), tuple(sorted(kept)))
+
+
+def _topic(node: Node, topic: str, known: Iterable[str]) -> Channel:
+    sides = publishers(node, topic), subscriptions(node, topic)
+    sources, sinks = (tuple(sorted(_endpoints(side, known))) for side in sides)
+    return Channel("topic", topic, sources, sinks)
+
+
+def _endpoints(infos: Iterable[TopicEndpointInfo], known: Iterable[str]) -> Iterator[Endpoint]:
+    for info in infos:
+        name = NodeName(info.node_name, info.node_namespace).full_name
+        if name in known:  # else it is a hidden node, or one whose name has not come yet
+            yield Endpoint(name, info.topic_type, qos_data(info.qos_profile))
+
+
+def qos_data(profile: QoSProfile) -> Qos:
+    """The policies of a profile that decide whether two ends are connected."""
+    return Qos(
+        profile.reliability.name.lower(),
+        profile.durability.name.lower(),
+        profile.liveliness.name.lower(),
+        _seconds(profile.deadline),
+        _seconds(profile.liveliness_lease_duration),
+    )
+
+
+def _seconds(duration: Duration) -> float:
+    """A duration in seconds; rmw writes "no limit" as 0 or as the longest duration there is."""
+    nanoseconds = duration.nanoseconds
+    return nanoseconds * 1e-9 if 0 < nanoseconds < 2**63 - 1 else math.inf
+
+
+def _calls(node: Node, there: set[NodeName], hidden: bool, services: bool, actions: bool) -> Iterator[Channel]:
+    """The services and actions, put together from what each node offers and uses."""
+    found: dict[tuple[str, str], tuple[list[Endpoint], list[Endpoint]]] = {}
+
+    def note(kind: str, side: int, owner: NodeName, pairs: NamesAndTypes) -> None:
+        for name, types in pairs.items():
+            if kind == "action" or hidden or name.rpartition("/")[2] not in EVERY_NODES_SERVICES:
+                ends = found.setdefault((kind, name), ([], []))
+                ends[side].extend(Endpoint(owner.full_name, type_name) for type_name in types)
+
+    for owner in sorted(there):
+        try:
+            offered = interfaces(node, owner, hidden)
+        except NodeNameNonExistentError:  # it ended meanwhile
+            continue
+        if services:
+            note("service", 0, owner, offered.service_clients)
+            note("service", 1, owner, offered.service_servers)
+        if actions:
+            note("action", 0, owner, offered.action_clients)
+            note("action", 1, owner, offered.action_servers)
+    for (kind, name), (clients, servers) in found.items():
+        yield Channel(kind, name, tuple(sorted(clients)), tuple(sorted(servers)))
