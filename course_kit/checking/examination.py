@@ -16,6 +16,12 @@ WORKSPACE = "ros2_ws"  # the chapter's, beside the notebook
 ORDER_TIMEOUT = 3.0  # seconds for what the notebook's side does at once, even on a busy machine
 
 
+def beside_the_notebook(folder: Path) -> Path:
+    """The notebook's folder, where `folder` is that of its kernel: a cell may have gone into the workspace with %cd."""
+    inside = folder.parts.index(WORKSPACE) if WORKSPACE in folder.parts else len(folder.parts)
+    return Path(*folder.parts[:inside])
+
+
 class Ended(Exception):  # noqa: N818  (reads as what happened)
     """Nothing more can be seen: what must hold first does not."""
 
@@ -40,9 +46,7 @@ class Examination:
         self.stage = stage  # a domain of the checker's, where a student's class is made anew
         self.student = student  # the domain in which the student's nodes run
         self.watched = watched  # what was heard in the student's domain since the chapter's first check, by topic
-        # In which the notebook runs; a cell may have gone into the workspace with %cd.
-        inside = folder.parts.index(WORKSPACE) if WORKSPACE in folder.parts else len(folder.parts)
-        self.folder = Path(*folder.parts[:inside])
+        self.folder = beside_the_notebook(folder)
         self.ending: list[Callable[[], Any]] = []  # what ends with the check, besides what the stations know
         self.findings: list[Finding] = []
         self.waiting_for = ""

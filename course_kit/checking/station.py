@@ -127,7 +127,6 @@ class Station:
         self.errors: list[Exception] = []
         self._watcher = Watcher(self.node, self.errors.append)
         self._spinning: list[SpinThread] = []
-        self._at_end: list[Callable[[], Any]] = []
         self._hand: Node | None = None
         self._opened: list[Heard] = []
         self.mine: set[str] = set()
@@ -221,19 +220,14 @@ class Station:
             parameter_overrides=WITHOUT_DESCRIPTIONS,
         )
 
-    def node_for(self, prepare: Callable[[Node], Any], at_end: Callable[[], Any] | None = None) -> Node:
-        """A node in a thread of its own that ends with the check; `prepare` gives it what it serves.
-
-        `at_end` is called before it ends: it has a callback that still waits return.
-        """
+    def node_for(self, prepare: Callable[[Node], Any]) -> Node:
+        """A node in a thread of its own that ends with the check; `prepare` gives it what it serves."""
 
         def make() -> Node:
             node = self._plain_node("server")
             prepare(node)
             return node
 
-        if at_end is not None:
-            self._at_end.append(at_end)
         return self.spin(make, hidden=True)
 
     def spin(self, make: Callable[[], Node], hidden: bool = False) -> Node:
@@ -249,9 +243,6 @@ class Station:
         for heard in self._opened:
             heard.close()
         self._opened.clear()
-        for end in self._at_end:
-            end()
-        self._at_end.clear()
         for spinning in reversed(self._spinning):
             nodes = list(spinning.executor.get_nodes())
             spinning.stop(1.0)

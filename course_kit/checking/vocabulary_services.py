@@ -120,7 +120,8 @@ def a_server(name: str, service_type: Any, answer: Callable[[Any, Any], Any]) ->
     def prepare(node: Node) -> None:
         node.create_service(service_type, name, server.serve)
 
-    now().stage.node_for(prepare, at_end=server.ended.set)
+    now().stage.node_for(prepare)
+    now().ending.append(server.ended.set)  # what still waits in a callback would keep the node in the graph
     return server
 
 

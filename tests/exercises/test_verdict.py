@@ -12,6 +12,7 @@ import pytest
 
 from course_kit import course_command, exercises
 from course_kit.checking import paths, progress
+from course_kit.checking.examination import beside_the_notebook
 from course_kit.checking.lines import Closed, Lines, as_json
 from course_kit.checking.verdict import NOT_BEGUN, Finding, Verdict, in_code
 
@@ -161,6 +162,11 @@ def test_every_chapter_has_four_exercises_from_warm_up_on(chapter: str):
     assert asked[0].level == "warm-up"
     levels = [exercises.LEVELS.index(one.level) for one in asked]
     assert levels == sorted(levels)
+
+
+@pytest.mark.parametrize("gone_to", ["", "ros2_ws", "ros2_ws/src/my_robot"])
+def test_a_cell_that_has_gone_into_the_workspace_leaves_the_notebooks_folder_the_same(gone_to):
+    assert beside_the_notebook(Path("/home/ada/course") / gone_to) == Path("/home/ada/course")
 
 
 def test_an_exercise_that_is_not_there_is_named_with_what_may_be_meant():
