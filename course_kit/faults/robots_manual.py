@@ -8,19 +8,21 @@ from course_kit.text import table
 ENDS = (
     ("program", "node", "takes", "gives"),
     ("simulator", "/turtlesim", "/turtle1/cmd_vel (Twist)", "/turtle1/pose, 62.5 Hz"),
-    ("scanner", "/scanner", "/turtle1/pose", "/scan (LaserScan, best effort), 10 Hz"),
-    ("map_server", "/map_server", "/scan", "service /get_map (GetMap); /map_scans (Int32), 2 Hz"),
-    ("", "", "", "/speed_limit (Float32, transient local), once"),
-    ("planner", "/planner", "/scan, /get_map, /speed_limit", "/turtle1/cmd_vel (Twist), 10 Hz"),
+    ("scanner", "/scanner", "/turtle1/pose", "/scan (LaserScan), 10 Hz"),
+    ("map_server", "/map_server", "/scan", "/map_scans (Int32), 2 Hz"),
+    ("", "", "", "/speed_limit (Float32), once"),
+    ("", "", "", "service /get_map (GetMap)"),
+    ("planner", "/planner", "/scan, /speed_limit, /get_map", "/turtle1/cmd_vel (Twist), 10 Hz"),
 )
 WELL = (
-    "A turtle on patrol: the scanner measures to the walls, the map server puts every scan into a map and counts them\n"
-    "on /map_scans, the planner drives ahead while there is room and turns where there is none. Without a fresh scan,\n"
-    "a fresh map and a speed limit it stands still, and logs why."
+    "A turtle on patrol: the scanner measures to the walls, the map server puts every scan into a\n"
+    "map and counts them on /map_scans, the planner drives ahead while there is room and turns\n"
+    "where there is none. Without a fresh scan, a fresh map and a speed limit it stands still, and\n"
+    "logs why."
 )
 AGAIN = (
-    "Each runs as a process of its own. How they are started, and started again in place of one that runs\n"
-    "(under the program's name; without it, a second one would run beside the first):"
+    "Each runs as a process of its own. How they are started, and started again in place of one\n"
+    "that runs (under the program's name; without it, a second one would run beside the first):"
 )
 
 

@@ -21,7 +21,8 @@ class Told:
         return self.text
 
     def _repr_html_(self) -> str:
-        return f"<pre class='course-kit-faults' style='white-space:pre-wrap;margin:0'>{in_code(self.text)}</pre>"
+        style = "white-space:pre-wrap;word-break:normal;margin:0"
+        return f"<pre class='course-kit-faults' style='{style}'>{in_code(self.text)}</pre>"
 
 
 def lines_of(findings: list[Finding]) -> list[str]:
