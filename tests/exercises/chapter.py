@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import ModuleType
 
 import nbformat
 
+from course_kit.exercises import CHAPTERS
 from tests.kernel import Kernel
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
+# {"setup": "01_setup_checks", …}
+NOTEBOOKS = dict(zip(CHAPTERS, sorted(path.stem for path in FOLDER.glob("[0-9][0-9]_*.ipynb")), strict=True))
 CELL_TIMEOUT = 240.0  # some build a package
 CHECK_TIMEOUT = 150.0
 
@@ -77,13 +82,19 @@ class Chapter:
         return str(displayed[0]["text/plain"]).strip()
 
 
-@contextmanager
-def chapter(name: str, only: Collection[str] | None = None, prepare: str = "") -> Iterator[Chapter]:
-    """A chapter's kernel, in a folder and with a state of its own, run up to the exercises.
+def answers_to(name: str) -> ModuleType:
+    """The module with the answers to a chapter's exercises: ANSWERS, and where not all its cells are run,
 
-    `only`: these cells, and after them `prepare`, are enough.
+    CELLS, the ids of those that are, and PREPARE, what is run after them.
     """
-    path = FOLDER / f"{name}.ipynb"
+    return importlib.import_module(f"tests.exercises.answers_{name}")
+
+
+@contextmanager
+def chapter(name: str) -> Iterator[Chapter]:
+    """The kernel of a chapter, such as "topics", in a folder and with a state of its own, run up to the exercises."""
+    path, answers = FOLDER / f"{NOTEBOOKS[name]}.ipynb", answers_to(name)
+    only, prepare = getattr(answers, "CELLS", None), getattr(answers, "PREPARE", "")
     with tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
         before = os.environ.get("XDG_STATE_HOME")
         os.environ["XDG_STATE_HOME"] = state
@@ -102,21 +113,6 @@ def chapter(name: str, only: Collection[str] | None = None, prepare: str = "") -
             yield made
         finally:
             kernel.close()
-
-
-def expected(answers: list[Answers]) -> list:
-    """The parameters of a test for each answer: (exercise, name, source, points, of, hint)."""
-    import pytest
-
-    rows = []
-    for one in answers:
-        for wrong in one.wrong:
-            row = (one.exercise, wrong.source, wrong.points, one.points, wrong.hint)
-            rows.append(pytest.param(*row, id=f"{one.exercise}-{wrong.name}"))
-        rows.append(
-            pytest.param(one.exercise, one.reference, one.points, one.points, "", id=f"{one.exercise}-reference")
-        )
-    return rows
 
 
 def judge(shown: str, points: int, of: int, hint: str) -> None:

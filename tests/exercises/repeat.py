@@ -1,36 +1,33 @@
 """Every answer of a chapter checked many times beside busy processes; counts the wrong verdicts.
 
-.venv/bin/python -m tests.exercises.repeat 04_services services --times 20 --busy 2 [--only services-4]
+.venv/bin/python -m tests.exercises.repeat services --times 20 --busy 2 [--only services-4]
 """
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib
 import subprocess
 import sys
 import time
 from collections import Counter
 
+from course_kit.exercises import CHAPTERS
 from tests.domains import use_own_domain
-from tests.exercises.chapter import Answers, Chapter, chapter, judge
+from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, judge
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("notebook")
-    parser.add_argument("answers")
+    parser.add_argument("chapter", choices=CHAPTERS)
     parser.add_argument("--times", type=int, default=20)
     parser.add_argument("--busy", type=int, default=2, help="processes that keep a core busy each")
     parser.add_argument("--only", default="", help="exercises whose names begin so")
     parser.add_argument("--reference", action="store_true", help="the right answers only")
     chosen = parser.parse_args()
     use_own_domain()
-    module = importlib.import_module(f"tests.exercises.answers_{chosen.answers}")
-    answers = [one for one in module.ANSWERS if one.exercise.startswith(chosen.only)]
-    prepared = (getattr(module, "CELLS", None), getattr(module, "PREPARE", ""))
-    with chapter(chosen.notebook, *prepared) as notebook, _busy(chosen.busy):
+    answers = [one for one in answers_to(chosen.chapter).ANSWERS if one.exercise.startswith(chosen.only)]
+    with chapter(chosen.chapter) as notebook, _busy(chosen.busy):
         wrong, count = _repeat(notebook, answers, chosen.times, chosen.reference)
     print(f"{count} checks, {sum(wrong.values())} wrong verdicts {dict(wrong)}")
     return bool(wrong)

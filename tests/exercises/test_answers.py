@@ -1,0 +1,70 @@
+"""Every exercise in its chapter's kernel: a right answer gets all points, a wrong one the right hint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+from course_kit.exercises import CHAPTERS
+from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, judge
+
+pytestmark = pytest.mark.timeout(400)
+
+
+@pytest.fixture(scope="module")
+def notebook_of() -> Iterator[Callable[[str], Chapter]]:
+    """Opens the notebook of a chapter, once for all tests of that chapter that follow each other."""
+    with ExitStack() as stack:
+        opened: dict[str, Chapter] = {}
+
+        def notebook(name: str) -> Chapter:
+            if name not in opened:
+                stack.close()
+                opened.clear()
+                opened[name] = stack.enter_context(chapter(name))
+            return opened[name]
+
+        yield notebook
+
+
+def row(name: str, *values: Any, id: str) -> Any:
+    """The parameters of one test; those of a chapter run one after another, in one kernel."""
+    return pytest.param(name, *values, id=id, marks=pytest.mark.xdist_group(f"exercises of {name}"))
+
+
+def every_exercise() -> Iterator[Any]:
+    for name in CHAPTERS:
+        for answers in answers_to(name).ANSWERS:
+            yield row(name, answers, id=answers.exercise)
+
+
+def every_answer() -> Iterator[Any]:
+    for name in CHAPTERS:
+        for answers in answers_to(name).ANSWERS:
+            for wrong in answers.wrong:
+                values = answers, wrong.source, wrong.points, wrong.hint
+                yield row(name, *values, id=f"{answers.exercise}-{wrong.name}")
+            yield row(name, answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
+
+
+@pytest.mark.parametrize(("name", "answers"), list(every_exercise()))
+def test_untouched_is_not_begun(notebook_of: Callable[[str], Chapter], name: str, answers: Answers):
+    notebook = notebook_of(name)
+    shown = notebook.answer(answers.exercise, notebook.source("answer", answers.exercise))
+    assert shown.splitlines()[0].endswith(": not begun"), shown
+    assert shown == notebook.committed(answers.exercise)
+
+
+@pytest.mark.parametrize(("name", "answers", "source", "points", "hint"), list(every_answer()))
+def test_answer(
+    notebook_of: Callable[[str], Chapter], name: str, answers: Answers, source: str, points: int, hint: str
+):
+    judge(notebook_of(name).answer(answers.exercise, source), points, answers.points, hint)
+
+
+def test_every_exercise_has_three_wrong_answers_at_least():
+    few = [one.exercise for name in CHAPTERS for one in answers_to(name).ANSWERS if len(one.wrong) < 3]
+    assert few == []
