@@ -1,4 +1,4 @@
-"""Chapter 6's exercises: what each asks of seeing, measuring, recording and repairing, and how it is checked."""
+"""Chapter 6's exercises but the last: what each asks of seeing, measuring and repairing, and how it is checked."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from functools import partial
 from itertools import pairwise
 from typing import Any
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import LoggerLevel
 from rcl_interfaces.srv import SetLoggerLevels
 from rclpy.qos import qos_profile_sensor_data
@@ -37,11 +36,10 @@ from course_kit.faults import all_faults
 from course_kit.faults.vocabulary import expect_well
 
 DEBUG, INFO = 10, 20
-FEW = 5
+FEW = 5  # poses, fewer than any queue holds
 SEEDS = (9, 31, 17)
 DRIVEN = ("/turtle1/cmd_vel", "/turtle1/pose")
 SCANS, POSES = "/scan", "/turtle1/pose"
-LEVELS = {b"\x00": "OK", b"\x01": "WARN", b"\x02": "ERROR", b"\x03": "STALE"}
 
 
 @exercise("debugging-1", "Who keeps, who loses", points=2, minutes=8, level="warm-up", timeout=5, value=True)
@@ -312,87 +310,3 @@ def three_patients(value: Any) -> None:
             points=1,
         )
     expect_well(points=2)
-
-
-@exercise(
-    "debugging-7",
-    "A monitor",
-    points=5,
-    minutes=40,
-    level="project",
-    timeout=40,
-    node_class="Monitor",
-    node="/monitor",
-)
-def monitor() -> None:
-    """It reports on two topics what comes of what should come."""
-    laser, turtle = publisher(SCANS, LaserScan, qos_profile_sensor_data), publisher(POSES, Pose)
-    answer("Monitor")
-    expect_node("/monitor")
-    expect_subscription(SCANS, LaserScan)
-    expect_subscription(POSES, Pose)
-    expect_topic("/diagnostics", DiagnosticArray)
-    expect_compatible_subscription(SCANS, laser)
-    expect_compatible_subscription(POSES, turtle)
-    heard = listen("/diagnostics", DiagnosticArray)
-    pause(3.3)
-    first = heard.last.status if len(heard) else []
-    expect(
-        "each report has a status for both topics",
-        sorted(one.name for one in first) == [SCANS, POSES],
-        f"The last report names {', '.join(one.name for one in first) or 'nothing'}: one DiagnosticStatus for each "
-        f"topic, with the topic as its name.",
-        points=1,
-    )
-    expect_rate(heard, 1.0, within=0.15, points=1)
-    silent = _levels(heard)
-    _drive(laser, turtle, every=1)
-    full, rates = _levels(heard), _rates(heard)
-    _drive(laser, turtle, every=3)
-    fewer = _levels(heard)
-    expect(
-        "both are OK at 10 and at 62.5 Hz",
-        full == {SCANS: "OK", POSES: "OK"},
-        f"At full rates it said {full}: count what comes, look once a second, begin to count anew.",
-        points=1,
-    )
-    expect(
-        "it says WARN at a third of the rates, and STALE when nothing comes",
-        fewer == {SCANS: "WARN", POSES: "WARN"} and silent == {SCANS: "STALE", POSES: "STALE"},
-        f"At a third it said {fewer}, with nothing {silent}: below 80 % of what should come is WARN, nothing is STALE.",
-        points=1,
-    )
-    expect(
-        "`rate` has the rates that came",
-        abs(rates.get(SCANS, 0.0) - 10.0) <= 2.5 and abs(rates.get(POSES, 0.0) - 62.5) <= 12.0,
-        f"At 10 and 62.5 Hz it said {rates}: a KeyValue(key='rate', value=…), a number as text.",
-        points=1,
-    )
-
-
-def _drive(laser: Any, turtle: Any, every: int) -> None:
-    """Three seconds of poses at 62.5 Hz and scans at 10 Hz, or of one in `every` of them."""
-    period, began = 0.016 * every, time.monotonic()
-    scans = 0
-    for tick in range(1, round(3.0 / period) + 1):
-        turtle.publish(Pose())
-        if tick * period * 10.0 / every > scans:
-            laser.publish(LaserScan(ranges=[1.0]))
-            scans += 1
-        pause(max(0.0, began + tick * period - time.monotonic()))
-
-
-def _levels(heard: Heard) -> dict[str, str]:
-    return {one.name: LEVELS.get(bytes(one.level), "?") for one in heard.last.status} if len(heard) else {}
-
-
-def _rates(heard: Heard) -> dict[str, float]:
-    found = {}
-    for one in heard.last.status if len(heard) else []:
-        for pair in one.values:
-            if pair.key == "rate":
-                try:
-                    found[one.name] = float(pair.value.split()[0])
-                except (ValueError, IndexError):
-                    continue
-    return found
