@@ -26,7 +26,7 @@ from course_kit.interfaces import rosidl
 HERE = Path(__file__).parents[1]
 # Where the definitions are, and which of them checks need.
 DEFINITIONS = {
-    "my_interfaces": (HERE / "chapter_packages/my_interfaces", ("action/Polygon.action",)),
+    "my_interfaces": (HERE / "colcon/chapter_packages/my_interfaces", ("action/Polygon.action",)),
     "robot_interfaces": (HERE / "exercises/robot_interfaces", ("msg/Battery.msg", "srv/Recharge.srv")),
 }
 COMPILE_TIMEOUT = 120.0
