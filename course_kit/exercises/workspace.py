@@ -114,8 +114,10 @@ def _say(words: str) -> str | None:
     voice, answers = publisher("/chatter", String), listen("/loud", String)
     expect_compatible_subscription("/chatter", voice)
     wait(lambda: answers.publisher_count, 3.0, "the publisher of /loud")
-    voice.publish(String(data=words))
-    wait(lambda: len(answers), 3.0, "words on /loud")
+    for _ in range(3):  # an answer is lost if the node has not found the listener yet
+        voice.publish(String(data=words))
+        if wait(lambda: len(answers), 1.5, "words on /loud"):
+            break
     pause(0.1)
     return answers.last.data if len(answers) else None
 

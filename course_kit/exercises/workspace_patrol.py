@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -27,6 +28,7 @@ from course_kit.checking.vocabulary_workspace import (
 )
 from course_kit.exercises import exercise
 
+LAP_TIMEOUT = 30.0
 LAP = 1.15 * math.tau  # radians that the turtle turns on a lap, and more than it may overshoot
 ROOMS = ("one", "two")
 
@@ -49,7 +51,7 @@ def patrol() -> None:
     wait(lambda: len(driven), 3.0, "the turtle's pose")
     node = start("ros2", "run", "patrol", "patrol", "--ros-args", "-p", "side:=1.0", "-p", "speed:=1.0")
     expect_nodes(node, "/patrol")
-    lap = _lap(driven, 30.0)
+    lap = _lap_of(driven, 1.0)
     expect(
         "with side 1.0 and speed 1.0 it drives a square of 1 m with 1 m/s",
         _is_square(lap, 1.0) and abs(_fastest(lap) - 1.0) < 0.15,
@@ -59,7 +61,7 @@ def patrol() -> None:
     )
     changed = [set_parameter("/patrol", name, 2.0) for name in ("side", "speed")]
     _lap(driven, 15.0, 0.3 * math.tau)  # the side on which it is may still be a short one
-    lap = _lap(driven, 30.0)
+    lap = _lap_of(driven, 2.0)
     expect(
         "side and speed can be changed while it drives",
         all(taken for taken, _ in changed) and _is_square(lap, 2.0) and abs(_fastest(lap) - 2.0) < 0.3,
@@ -140,6 +142,16 @@ def _lap(driven: Heard, timeout: float, turn: float = LAP) -> list[Any]:
 
     wait(lambda: turned() >= turn, timeout, "a lap of the turtle", 0.1)
     return driven.messages[before:]
+
+
+def _lap_of(driven: Heard, side: float) -> list[Any]:
+    """The next lap; another one, twice, if it is no square of this side: a busy machine drives badly now and then."""
+    for _ in range(3):
+        began = time.monotonic()
+        lap = _lap(driven, LAP_TIMEOUT)
+        if _is_square(lap, side) or time.monotonic() - began >= LAP_TIMEOUT:
+            break
+    return lap
 
 
 def _extent(poses: Sequence[Any]) -> tuple[float, float]:
