@@ -44,9 +44,7 @@ def install() -> None:
     setattr(Executor, "add_node", _add_node)  # noqa: B010  (mypy would take it for a mistake)
     setattr(Client, "call", _refusing(Client.call, "client.call()"))  # noqa: B010
     setattr(ActionClient, "send_goal", _refusing(ActionClient.send_goal, "send_goal()"))  # noqa: B010
-    for request in ("send_goal_async", "_cancel_goal_async", "_get_result_async"):
-        setattr(ActionClient, request, _sending(getattr(ActionClient, request)))
-    setattr(ActionClient, "execute", _execute)  # noqa: B010
+    keep_answers()
 
 
 _plain_init = rclpy.init
@@ -134,6 +132,13 @@ def _belongs_to_this_thread(client: Any) -> bool:
 # An action client sends a request first and notes it down then. Where a cell sends and another thread spins, the answer
 # can come in between: it is dropped as unexpected, and the future stays open for ever. A Client has a lock against it.
 _sends = threading.RLock()
+
+
+def keep_answers() -> None:
+    """Have the action clients of this process lose no answer. Part of install(); for a process without a notebook."""
+    for request in ("send_goal_async", "_cancel_goal_async", "_get_result_async"):
+        setattr(ActionClient, request, _sending(getattr(ActionClient, request)))
+    setattr(ActionClient, "execute", _execute)  # noqa: B010
 
 
 def _sending(method: Callable[..., Any]) -> Callable[..., Any]:

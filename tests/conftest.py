@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.domains import use_own_domain
+from tests.domains import own_domain, use_own_domain
 
 use_own_domain()
 
@@ -29,7 +29,6 @@ def fresh_domain() -> Iterator[None]:
     from course_kit import context
 
     context.stop()
-    use_own_domain()
-    yield
-    context.stop()
-    use_own_domain()
+    with own_domain():
+        yield
+        context.stop()

@@ -5,8 +5,12 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
+
+import pytest
 
 _locks: list[IO[str]] = []  # kept open as long as the process lives
 
@@ -27,6 +31,15 @@ def reserve_domain() -> int:
         _locks.append(lock)
         return domain
     raise RuntimeError("100 test processes run already: no ROS domain is left")
+
+
+@contextmanager
+def own_domain() -> Iterator[int]:
+    """A ROS domain without the nodes that other tests of this process have left."""
+    domain = reserve_domain()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        yield domain
 
 
 def use_own_domain() -> int:

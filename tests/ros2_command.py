@@ -11,10 +11,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-import pytest
-
-from tests.domains import reserve_domain
-
 COMMAND = (sys.executable, "-m", "course_kit.ros2.command")
 TIMEOUT = 60.0
 
@@ -45,15 +41,6 @@ def ros2(*words: str, interrupt_after: float | None = None, **environment: str) 
         process.send_signal(signal.SIGINT if interrupt_after is not None else signal.SIGKILL)
         out, err = process.communicate(timeout=TIMEOUT)
     return Outcome(out, err, process.returncode, time.monotonic() - began)
-
-
-@contextmanager
-def own_domain() -> Iterator[int]:
-    """A ROS domain without the nodes that other tests of this process have left."""
-    domain = reserve_domain()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROS_DOMAIN_ID", str(domain))
-        yield domain
 
 
 @contextmanager

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.ros2_command import COMMAND, own_domain, program
+from tests.domains import own_domain
+from tests.ros2_command import COMMAND, program
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -13,7 +13,8 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
 from course_kit.ros_graph.discovery import entities, participants_listening
 from tests.benchmark.child import Program
-from tests.ros2_command import own_domain, ros2
+from tests.domains import own_domain
+from tests.ros2_command import ros2
 from tests.waiting import wait_until
 
 PROCESSES, NODES = 5, 4

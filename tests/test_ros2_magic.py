@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import pytest
 
+from tests.domains import own_domain
 from tests.kernel import Kernel
-from tests.ros2_command import own_domain
 
 NODES = """
 from course_kit import run

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.ros2_command import own_domain, program, ros2
+from tests.domains import own_domain
+from tests.ros2_command import program, ros2
 
 FOLDER = Path(__file__).with_name("ros2_transcripts")
 INTERRUPTED_STATUS = 124  # what `timeout` says in the recordings, whatever the command's own status was

@@ -143,13 +143,14 @@ class Checker:
     def _provide_types(self, running: Examination) -> None:
         """Have the types that the check speaks; its time begins after that."""
         for package in running.exercise.types:
-            if not own_types.is_ready(package):
+            is_ready = own_types.is_ready(package)
+            if not is_ready:
                 says = f"The checker compiles {package} for itself. It does so once, in about ten seconds."
                 self._lines.send({"begun": own_types.COMPILE_TIMEOUT, "says": says})
-                own_types.provide(package)
+            own_types.provide(package)
+            if not is_ready:
                 self._lines.send({"begun": running.exercise.timeout})
                 running.begin_again()
-            own_types.provide(package)
 
     def _watch(self, chapter: str) -> None:
         """Listen to what the chapter's exercises watch, from now on."""

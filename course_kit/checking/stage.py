@@ -204,6 +204,11 @@ def _pending(order: Mapping[str, Any], _: Mapping[str, Any]) -> int:
     return sum(len(client._pending_requests) for client in _on(order["domain"]).node.clients)
 
 
+def _ready(order: Mapping[str, Any], _: Mapping[str, Any]) -> bool:
+    """Whether each of the node's clients has found a server."""
+    return all(client.service_is_ready() for client in _on(order["domain"]).node.clients)
+
+
 _ORDERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Any]] = {
     "has": _has,
     "start": _start,
@@ -211,6 +216,7 @@ _ORDERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Any]] = {
     "call": _call,
     "read": _read,
     "pending": _pending,
+    "ready": _ready,
     "errors": lambda order, _: _on(order["domain"]).errors(),
 }
 

@@ -120,6 +120,11 @@ def pending_calls() -> int:
     return int(now().order("pending").get("value") or 0)
 
 
+def wait_for_servers(timeout: float) -> bool:
+    """Wait until each client of the answer's node has found a server; whether it did."""
+    return now().wait(lambda: now().order("ready").get("value"), timeout, "the node to find its servers", 0.05)
+
+
 def expect_value(text: str, given: Any, wanted: Any, hint: str, points: int) -> bool:
     """A value that was handed to check() is the right one; what was given is quoted in front of the hint."""
     return now().settle(text, given == wanted, f"You gave {given!r}. {hint}", points)

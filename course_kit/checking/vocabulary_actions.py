@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,7 +47,6 @@ class Goal:
     """A goal that was sent, and what became of it so far."""
 
     heard: Heard  # the action's feedback topic
-    in_executor: Callable[[Callable[[], None]], Any]
     accepted: bool | None = None  # None: no answer came
     status: int | None = None
     result: Any = None
@@ -85,7 +83,7 @@ class Goal:
     def cancel(self, timeout: float = 3.0) -> None:
         """Ask the server to cancel it, and wait for what it says to that."""
         done: list[Any] = []
-        self.in_executor(lambda: self.handle.cancel_goal_async().add_done_callback(done.append))
+        self.handle.cancel_goal_async().add_done_callback(done.append)
         now().wait(lambda: done, timeout, "the answer to a request to cancel")
         self.cancelling = bool(done and done[0].result().goals_canceling)
 
@@ -96,7 +94,7 @@ class Client:
     def __init__(self, name: str, action_type: Any) -> None:
         self._type = action_type
         clients: list[ActionClient] = []
-        self._node = now().stage.node_for(lambda node: clients.append(ActionClient(node, action_type, name)))
+        now().stage.node_for(lambda node: clients.append(ActionClient(node, action_type, name)))
         self._client = clients[0]
         now().wait(self._client.server_is_ready, CONNECT_TIMEOUT, f"the action {name}")
         # Heard on its own: an ActionClient drops what comes after the result.
@@ -105,22 +103,16 @@ class Client:
 
     def send(self, timeout: float = 3.0, **fields: Any) -> Goal:
         """Send a goal and wait until it is accepted or rejected."""
-        goal = Goal(self._heard, self._in_executor)
+        goal = Goal(self._heard)
         done: list[Any] = []
         message = self._type.Goal(**fields)
-        self._in_executor(lambda: self._client.send_goal_async(message).add_done_callback(done.append))
+        self._client.send_goal_async(message).add_done_callback(done.append)
         if now().wait(lambda: done, timeout, "the answer to a goal"):
             goal.handle = done[0].result()
             goal.accepted = bool(goal.handle.accepted)
             if goal.accepted:
-                self._in_executor(lambda: goal.handle.get_result_async().add_done_callback(goal.note_result))
+                goal.handle.get_result_async().add_done_callback(goal.note_result)
         return goal
-
-    def _in_executor(self, request: Callable[[], None]) -> None:
-        """rclpy's action client loses an answer that another thread takes before the request is noted."""
-        executor = self._node.executor
-        assert executor is not None
-        executor.create_task(request)
 
 
 class FibonacciServer:

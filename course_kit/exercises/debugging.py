@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -284,15 +283,14 @@ def mileage() -> None:
 def _send(turtle: Any, poses: list[Pose], heard: Heard) -> None:
     """Publish poses a few at a time, the next when these were answered: so that a short queue loses none."""
     for first in range(0, len(poses), FEW):
-        few = poses[first : first + FEW]
-        count = len(heard) + len(few)
-        for pose in few:
-            turtle.publish(pose)
-        wait(partial(_has, heard, count), 1.0)
+        _send_few(turtle, poses[first : first + FEW], heard)
 
 
-def _has(heard: Heard, count: int) -> bool:
-    return len(heard) >= count
+def _send_few(turtle: Any, poses: list[Pose], heard: Heard) -> None:
+    count = len(heard) + len(poses)
+    for pose in poses:
+        turtle.publish(pose)
+    wait(lambda: len(heard) >= count, 1.0)
 
 
 @exercise("debugging-6", "Three patients", points=5, minutes=30, level="harder", timeout=25, value=True)

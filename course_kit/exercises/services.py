@@ -6,7 +6,17 @@ from example_interfaces.srv import AddTwoInts
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit.checking import trails
-from course_kit.checking.vocabulary import a_turtle, answer, call, expect, expect_node, pause, pending_calls, read
+from course_kit.checking.vocabulary import (
+    a_turtle,
+    answer,
+    call,
+    expect,
+    expect_node,
+    pause,
+    pending_calls,
+    read,
+    wait_for_servers,
+)
 from course_kit.checking.vocabulary_services import (
     Client,
     a_server,
@@ -65,7 +75,7 @@ def safe_client() -> None:
     expect_node("/safe_client")
     alone, alone_seconds = call("add", 1, 1, 0.5, timeout=4.0)
     server = a_server("/add_two_ints", AddTwoInts, add_two_ints)
-    pause(0.5)  # until it is found: the request of a client that does not wait for it would be lost by chance
+    wait_for_servers(2.0)  # the request of a client that does not wait for it itself would be lost by chance
     brought, _ = call("add", 2, 3, 3.0, timeout=5.0)
     expect(
         "with a server it returns the sum",

@@ -12,7 +12,7 @@ import threading
 import time
 import weakref
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -151,12 +151,11 @@ class Discovery:
             return False
         if len(known) < participants_listening(self._domain, Path("/proc/net/udp").read_text()):
             return False
-        self._take()
-        if not known <= self._announced.keys():
+        announced = self._announced_by(known)
+        if announced is None:
             return False
-        announced = [self._announced[participant] for participant in known]
         # The middleware reads these messages for itself, earlier or later than they are read here.
-        if Counter(n for a in announced for n in a.nodes) - Counter(node.get_node_names_and_namespaces()):
+        if _nodes(announced) - Counter(node.get_node_names_and_namespaces()):
             return False
         missing = set().union(*(a.endpoints for a in announced)) - self._found
         return not missing or self._look_for(node, missing)
@@ -169,16 +168,19 @@ class Discovery:
         node = self._node()
         if node is None or self._subscription is None:
             return list(listed)
-        known = self._participants(node)
-        self._take()
-        if not known <= self._announced.keys():
-            return list(listed)
-        there = Counter(n for participant in known for n in self._announced[participant].nodes)
-        return list((Counter(listed) & there).elements())
+        announced = self._announced_by(self._participants(node))
+        return list(listed if announced is None else (Counter(listed) & _nodes(announced)).elements())
 
     def _participants(self, node: Node) -> set[bytes]:
         writers = node.get_publishers_info_by_topic(TOPIC, no_mangle=True)
         return {bytes(writer.endpoint_gid)[:PARTICIPANT_SIZE] for writer in writers}
+
+    def _announced_by(self, participants: set[bytes]) -> list[Entities] | None:
+        """What these participants have announced; None if one of them has not yet."""
+        self._take()
+        if not participants <= self._announced.keys():
+            return None
+        return [self._announced[participant] for participant in participants]
 
     def _take(self) -> None:
         with self._lock:
@@ -195,6 +197,10 @@ class Discovery:
             if not missing:
                 return True
         return False
+
+
+def _nodes(announced: Iterable[Entities]) -> Counter[tuple[str, str]]:
+    return Counter(node for one in announced for node in one.nodes)
 
 
 def forget(node: Node) -> None:

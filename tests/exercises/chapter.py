@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import os
 import tempfile
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -12,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import nbformat
+import pytest
 
 from course_kit.exercises import CHAPTERS
 from tests.kernel import Kernel
@@ -83,9 +83,9 @@ class Chapter:
 
 
 def answers_to(name: str) -> ModuleType:
-    """The module with the answers to a chapter's exercises: ANSWERS, and where not all its cells are run,
+    """The module with the ANSWERS to a chapter's exercises.
 
-    CELLS, the ids of those that are, and PREPARE, what is run after them.
+    It has CELLS, the ids of the cells to be run, and PREPARE, what is run after them, where not all are run.
     """
     return importlib.import_module(f"tests.exercises.answers_{name}")
 
@@ -96,15 +96,9 @@ def chapter(name: str) -> Iterator[Chapter]:
     path, answers = FOLDER / f"{NOTEBOOKS[name]}.ipynb", answers_to(name)
     only, prepare = getattr(answers, "CELLS", None), getattr(answers, "PREPARE", "")
     with tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
-        before = os.environ.get("XDG_STATE_HOME")
-        os.environ["XDG_STATE_HOME"] = state
-        try:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("XDG_STATE_HOME", state)
             kernel = Kernel(Path(folder))
-        finally:
-            if before is None:
-                del os.environ["XDG_STATE_HOME"]
-            else:
-                os.environ["XDG_STATE_HOME"] = before
         try:
             made = Chapter(kernel, path)
             made.run_chapter(only)

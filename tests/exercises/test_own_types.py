@@ -28,7 +28,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_types_are_compiled_once(cache: Path):
     assert not own_types.is_ready("my_interfaces")
-    used = [subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True) for _ in range(2)]
+    used = [subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, timeout=180) for _ in range(2)]
     assert [one.stdout for one in used] == ["5\n", "5\n"], used[0].stderr
     assert own_types.is_ready("my_interfaces")
     assert sorted(path.suffix for path in cache.iterdir()) == ["", ".lock"]
