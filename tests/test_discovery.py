@@ -75,7 +75,7 @@ def test_a_node_that_the_middleware_lists_without_its_participant_is_none(watche
     try:
         with Program("idle_node", domain=DOMAIN) as program:
             program.report()
-            wait_until(lambda: ("idle", "/") in there.alive(watcher.get_node_names_and_namespaces()), timeout=10)
+            wait_until(lambda: "idle" in watcher.get_node_names() and there.is_whole(), timeout=10)
             listed = watcher.get_node_names_and_namespaces()
             assert sorted(there.alive([*listed, ("idle", "/"), ("ghost", "/")])) == sorted(listed)
         wait_until(lambda: ("idle", "/") not in there.alive(listed), timeout=10)

@@ -40,6 +40,7 @@ from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelative
 
+from course_kit.spinning import destroy
 from course_kit.turtlesim import TurtleSim
 from tests.waiting import TIMEOUT, wait_until
 
@@ -93,7 +94,7 @@ class Spinning:
 
     def stop(self) -> None:
         """Destroy the node in its executor, as course_kit does, and end the thread."""
-        destroyed = self.executor.create_task(self.node.destroy_node)
+        destroyed = self.executor.create_task(destroy, self.node)
         wait_until(destroyed.done, "end of the node: its executor runs no tasks")
         self._end.set_result(None)
         self.executor.create_task(lambda: None)

@@ -14,6 +14,7 @@ import nbformat
 import pytest
 
 from course_kit.exercises import CHAPTERS
+from tests.domains import own_domain
 from tests.kernel import Kernel
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
@@ -92,11 +93,11 @@ def answers_to(name: str) -> ModuleType:
 
 @contextmanager
 def chapter(name: str) -> Iterator[Chapter]:
-    """The kernel of a chapter, such as "topics", in a folder and with a state of its own, run up to the exercises."""
+    """The kernel of a chapter, such as "topics", run up to the exercises; its folder, state and domain are its own."""
     path, answers = FOLDER / f"{NOTEBOOKS[name]}.ipynb", answers_to(name)
     only, prepare = getattr(answers, "CELLS", None), getattr(answers, "PREPARE", "")
     with tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
-        with pytest.MonkeyPatch.context() as patch:
+        with own_domain(), pytest.MonkeyPatch.context() as patch:
             patch.setenv("XDG_STATE_HOME", state)
             kernel = Kernel(Path(folder))
         try:
