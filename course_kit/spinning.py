@@ -55,12 +55,12 @@ def minds_groups(node: Node) -> bool:
 
 def destroy(node: Node) -> None:
     """Destroy a node that no executor spins any more, with its action servers and clients, which rclpy leaves."""
+    with contextlib.suppress(Exception):  # a student may have destroyed it
+        node.destroy_node()  # first: the student's own may destroy an action server, which goes only once
     for waitable in list(node.waitables):
         if isinstance(waitable, ActionClient | ActionServer):
-            with contextlib.suppress(Exception):  # a student may have destroyed it
+            with contextlib.suppress(Exception):
                 waitable.destroy()
-    with contextlib.suppress(Exception):
-        node.destroy_node()
 
 
 class SpinThread:

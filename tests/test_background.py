@@ -9,7 +9,9 @@ import time
 
 import pytest
 import rclpy
+from example_interfaces.action import Fibonacci
 from example_interfaces.srv import AddTwoInts
+from rclpy.action import ActionServer, get_action_names_and_types
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.node import Node
@@ -369,6 +371,26 @@ def test_stop_takes_a_node_a_name_or_a_class_and_may_come_twice():
     run(Talker)
     with pytest.raises(ValueError, match="Did you mean /talker"):
         stop("/tolker")
+
+
+@pytest.mark.parametrize("destroys_it", [True, False], ids=["destroys its server", "leaves it"])
+def test_a_stopped_action_server_leaves_the_graph(destroys_it):
+    class Counter(Node):
+        def __init__(self) -> None:
+            super().__init__("counter")
+            self.server = ActionServer(self, Fibonacci, "count", lambda goal: Fibonacci.Result())
+
+        def destroy_node(self) -> None:
+            if destroys_it:
+                self.server.destroy()
+            super().destroy_node()
+
+    talker = run(Talker)
+    run(Counter)
+    wait_for(lambda: "counter" in talker.get_node_names())
+    stop(Counter)
+    wait_for(lambda: "counter" not in talker.get_node_names())
+    assert "/count" not in dict(get_action_names_and_types(talker))
 
 
 def test_running_stops_its_nodes_at_the_end_of_the_block():

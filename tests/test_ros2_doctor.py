@@ -15,6 +15,8 @@ from course_kit.ros2.doctor_checks import Interface, Pair, System, Topic
 from tests.ros2_command import ros2
 from tests.senders import Sender
 
+pytestmark = pytest.mark.usefixtures("fresh_domain")
+
 LOOPBACK = Interface("lo", "up,loopback,running", 65536, ("127.0.0.1",), ("::1",), None, "255.0.0.0")
 ETHERNET = Interface(
     name="eth0",

@@ -16,6 +16,8 @@ from tests.exercises.answers_services import LAMP
 from tests.exercises.answers_topics import COUNTDOWN, changed
 from tests.kernel import Kernel
 
+pytestmark = pytest.mark.usefixtures("fresh_domain")
+
 IMPORTS = """
 from example_interfaces.srv import AddTwoInts
 from rclpy.node import Node
