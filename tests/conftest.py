@@ -8,6 +8,14 @@ import pytest
 
 from tests.domains import own_domain, use_own_domain
 
+SLOW = (  # test modules of more than a minute
+    "test_notebooks",
+    "test_browser",
+    "test_answers",
+    "test_faults_robot",
+    "test_environment_setup",
+)
+
 use_own_domain()
 
 
@@ -15,9 +23,10 @@ use_own_domain()
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Where tests run beside each other: those of a module one after another, unless they name a group of their own.
 
-    The notebooks begin, they take longest.
+    What takes longest begins, so that the workers end together.
     """
-    items.sort(key=lambda item: item.path.stem != "test_notebooks")
+    order = {stem: number for number, stem in enumerate(SLOW)}
+    items.sort(key=lambda item: order.get(item.path.stem, len(SLOW)))
     for item in items:
         if item.get_closest_marker("xdist_group") is None:
             item.add_marker(pytest.mark.xdist_group(item.path.stem))

@@ -145,8 +145,8 @@ def _lap(driven: Heard, timeout: float, turn: float = LAP) -> list[Any]:
 
 
 def _lap_of(driven: Heard, side: float) -> list[Any]:
-    """The next lap; another one, twice, if it is no square of this side: a busy machine drives badly now and then."""
-    for _ in range(3):
+    """The next lap; another one if it is no square of this side: a busy machine drives badly now and then."""
+    for _ in range(2):
         began = time.monotonic()
         lap = _lap(driven, LAP_TIMEOUT)
         if _is_square(lap, side) or time.monotonic() - began >= LAP_TIMEOUT:

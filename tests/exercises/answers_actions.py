@@ -5,6 +5,30 @@ from __future__ import annotations
 from tests.exercises.answers_topics import changed
 from tests.exercises.chapter import Answers, Wrong
 
+CELLS = (
+    "actions-what-parts",
+    "actions-server-class",
+    "actions-server-execute-method",
+    "actions-server-destroy-method",
+    "actions-client-class",
+    "actions-cancel-class",
+    "actions-polygon-provide",
+    "actions-polygon-node",
+    "actions-polygon-pose",
+    "actions-polygon-corners",
+    "actions-polygon-drive",
+    "actions-polygon-execute",
+)
+PREPARE = """
+import math
+
+from rclpy.action import GoalResponse
+
+from course_kit import wait_for
+
+PolygonServer.drive, PolygonServer.execute = drive, execute
+"""
+
 FACE_WEST = """
 import math
 from turtlesim.action import RotateAbsolute

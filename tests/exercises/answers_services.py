@@ -5,6 +5,14 @@ from __future__ import annotations
 from tests.exercises.answers_topics import changed
 from tests.exercises.chapter import Answers, Wrong
 
+CELLS = ()  # of the chapter that are run: what they import is below
+PREPARE = """
+from example_interfaces.srv import AddTwoInts
+from rclpy.node import Node
+
+from course_kit import run, wait_for
+"""
+
 LAMP = """
 from std_srvs.srv import SetBool, Trigger
 

@@ -4,6 +4,17 @@ from __future__ import annotations
 
 from tests.exercises.chapter import Answers, Wrong
 
+CELLS = ()  # of the chapter that are run: what they import is below
+PREPARE = """
+import math
+
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from turtlesim.msg import Pose
+
+from course_kit import run
+"""
+
 COUNTDOWN = """
 from std_msgs.msg import Int32
 
