@@ -242,7 +242,7 @@ given() {
 run_tests() {
     local python=$venv/bin/python failed=0 beside=()
     # Most tests wait for ROS most of the time, so there is one more of them at once than there are cores.
-    (($#)) || beside=(--numprocesses "$(($(nproc) + 1))" --maxprocesses 8 --dist loadgroup)
+    (($#)) || beside=(--numprocesses "$(($(nproc) + 1))" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
     "$python" -m ruff check || failed=1
     "$python" -m ruff format --check || failed=1
     "$python" -m mypy || failed=1

@@ -35,7 +35,7 @@ def cells(path: Path) -> list:
 
 def again(cell: nbformat.NotebookNode) -> nbformat.NotebookNode:
     """A cell's copy for a second run, in which a count or a first build may come out otherwise."""
-    copy = nbformat.from_dict({**cell, "id": f"{cell.id}-again"})
+    copy = nbformat.from_dict({**cell, "id": f"{cell.id}-once-more"})
     copy.metadata.tags = sorted({*copy.metadata.get("tags", []), "nbval-ignore-output"})
     return copy
 
