@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-import pty
 import re
-import select
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from tests.ros2_command import COMMAND, TIMEOUT
 from tests.ros2_running import Running
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -129,47 +125,6 @@ class RunningGroup(Running):
             except subprocess.TimeoutExpired:
                 os.killpg(self.process.pid, signal.SIGKILL)
                 self.process.wait()
-
-
-class Terminal:
-    """A `ros2` command in a terminal of its own."""
-
-    def __init__(self, *words: str, environment: dict[str, str]) -> None:
-        self.pid, self._fd = pty.fork()
-        if self.pid == 0:
-            os.chdir(ROOT)
-            os.environ.update(environment)
-            os.execv(COMMAND[0], [*COMMAND, *words])
-        self.text = ""
-
-    def wait_for(self, text: str, count: int = 1) -> None:
-        """Read until a text came."""
-        deadline = time.monotonic() + TIMEOUT
-        while self.text.count(text) < count:
-            assert time.monotonic() < deadline, f"no {text!r} in {self.text}"
-            if not self._read():
-                raise AssertionError(f"it ended without {text!r}: {self.text}")
-
-    def _read(self) -> bool:
-        if not select.select([self._fd], [], [], 0.1)[0]:
-            return True
-        try:
-            self.text += os.read(self._fd, 65536).decode(errors="replace").replace("\r\n", "\n")
-        except OSError:  # the other end is closed
-            return False
-        return True
-
-    def press_ctrl_c(self) -> None:
-        """Let the terminal interrupt what runs in it."""
-        os.write(self._fd, b"\x03")
-
-    def end(self) -> int:
-        """Read to the end; return the exit status."""
-        deadline = time.monotonic() + TIMEOUT
-        while self._read():
-            assert time.monotonic() < deadline, f"no end of: {self.text}"
-        os.close(self._fd)
-        return os.waitstatus_to_exitcode(os.waitpid(self.pid, 0)[1])
 
 
 def is_alive(pid: int) -> bool:

@@ -20,6 +20,15 @@ from tests.ros2_launches import is_alive, none_left
 from tests.waiting import wait_until
 
 DEAF = "import signal, time; [signal.signal(n, signal.SIG_IGN) for n in (2, 15)]; print('deaf'); time.sleep(100)"
+INTERRUPTED = """
+import time
+print('ready')
+try:
+    while True:
+        time.sleep(0.05)
+except KeyboardInterrupt:
+    print('interrupted')
+"""
 # A child in a session of its own and one without a parent: what a shell's job control and daemons make.
 FAMILY = """
 import os, subprocess, sys, time
@@ -56,9 +65,7 @@ def test_a_line_arrives_while_the_process_runs_without_a_flush():
 
 
 def test_stop_interrupts_as_ctrl_c_does():
-    process = python(
-        "import time\nprint('ready')\ntry:\n  time.sleep(100)\nexcept KeyboardInterrupt:\n  print('interrupted')"
-    )
+    process = python(INTERRUPTED)
     wait_for(lambda: process.says("ready"), timeout=20)
     assert process.stop() == 0
     assert process.lines[-1] == "interrupted"

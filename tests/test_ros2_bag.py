@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
-import pty
 import re
 import resource
-import select
 import signal
 import statistics
 import subprocess
-import termios
 import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -30,6 +26,7 @@ from tests.kernel import Kernel
 from tests.ros2_command import COMMAND, ros2
 from tests.ros2_running import Running
 from tests.senders import DIGITS, PLACES, Sender
+from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
 SECOND = 10**9
@@ -376,62 +373,23 @@ def test_playing_gives_the_time_of_the_bag(tmp_path: Path) -> None:
     assert stamps == sorted(stamps)
 
 
-class Terminal:
-    """`ros2 bag …` in a terminal of its own, in which keys can be pressed."""
-
-    def __init__(self, *words: str) -> None:
-        self._handle, inside = pty.openpty()
-        self.process = subprocess.Popen(
-            [*COMMAND, "bag", *words],
-            stdin=inside,
-            stdout=inside,
-            stderr=inside,
-            start_new_session=True,
-            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
-        )
-        os.close(inside)
-        self.text = ""
-
-    def wait_for(self, text: str) -> None:
-        deadline = time.monotonic() + TIMEOUT
-        while text not in self.text:
-            assert time.monotonic() < deadline, self.text
-            if select.select([self._handle], [], [], 0.5)[0]:
-                self.text += os.read(self._handle, 10_000).decode()
-        self.text = self.text.split(text, 1)[1]
-
-    def press(self, keys: bytes) -> None:
-        os.write(self._handle, keys)
-
-    def __enter__(self) -> Terminal:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.wait()
-        os.close(self._handle)
-
-
 def test_keys_pause_a_recording(tmp_path: Path) -> None:
-    with Terminal("record", "-o", str(tmp_path / "bag"), "-a") as terminal:
+    with Terminal([*COMMAND, "bag", "record", "-o", str(tmp_path / "bag"), "-a"]) as terminal:
         terminal.wait_for("Press SPACE for pausing/resuming")
         terminal.wait_for("Recording...")
         terminal.press(b" ")
         terminal.wait_for("Pausing recording.")
         terminal.press(b" ")
         terminal.wait_for("Resuming recording.")
-        terminal.press(b"\x03")
+        terminal.press(CTRL_C)
         terminal.wait_for("Recording stopped")
-        assert terminal.process.wait(TIMEOUT) == signal.SIGINT
+        assert terminal.end() == signal.SIGINT
     assert bags.info(tmp_path / "bag").is_complete
 
 
 def test_keys_pause_a_bag_that_plays_and_step_through_it(tmp_path: Path) -> None:
     bag = made_bag(tmp_path / "bag", count=50, period=1.0)
-    with Received("/played") as received, Terminal("play", str(bag), "--start-paused") as terminal:
+    with Received("/played") as received, Terminal([*COMMAND, "bag", "play", str(bag), "--start-paused"]) as terminal:
         terminal.wait_for("Playback until timestamp: -1")
         assert received.numbers == []
         for number in range(3):
@@ -442,7 +400,7 @@ def test_keys_pause_a_bag_that_plays_and_step_through_it(tmp_path: Path) -> None
         terminal.press(b" ")
         terminal.wait_for("Resuming play.")
         wait_until(lambda: len(received.numbers) > 4)
-        terminal.press(b"\x03")
+        terminal.press(CTRL_C)
         terminal.wait_for("Stopping playback.")
     assert received.numbers[:4] == [0, 1, 2, 3]
 

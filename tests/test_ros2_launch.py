@@ -13,7 +13,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from turtlesim.msg import Pose
 
-from tests.ros2_launches import TIMEOUT, Prefix, RunningGroup
+from tests.ros2_command import TIMEOUT
+from tests.ros2_launches import Prefix, RunningGroup
 
 STARTED = r"process started with pid"
 

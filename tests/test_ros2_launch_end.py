@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.ros2_launches import Prefix, RunningGroup, Terminal, is_alive, none_left
+from tests.ros2_command import COMMAND
+from tests.ros2_launches import Prefix, RunningGroup, is_alive, none_left
+from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
 DEAF = "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); print('deaf'); time.sleep(100)"
@@ -23,7 +25,8 @@ def count(number, frame):
     sys.exit(0)
 signal.signal(signal.SIGINT, count)
 print("ready")
-time.sleep(100)
+while True:
+    time.sleep(0.05)  # Python calls the handler at the end of a sleep if the signal came just before it
 """
 SHORT = "sigterm_timeout='0.4', sigkill_timeout='0.4'"
 WARNING = "[WARNING] [launch]: user interrupted with ctrl-c (SIGINT)"
@@ -66,12 +69,12 @@ def test_an_interrupt_reaches_every_process_once(prefix: Prefix, whole_group: bo
 @pytest.mark.parametrize("by_key", [True, False])
 def test_ctrl_c_in_a_terminal(prefix: Prefix, by_key: bool) -> None:
     prefix.launch_file("demo", "demo.launch.py", f"python({COUNTING!r}), python({COUNTING!r})")
-    terminal = Terminal("launch", "demo", "demo.launch.py", environment=prefix.environment)
+    terminal = Terminal([*COMMAND, "launch", "demo", "demo.launch.py"], prefix.environment)
     terminal.wait_for("ready", 2)
     if by_key:
-        terminal.press_ctrl_c()
+        terminal.press(CTRL_C)
     else:
-        os.kill(terminal.pid, signal.SIGINT)
+        terminal.process.send_signal(signal.SIGINT)
     assert terminal.end() == 0
     assert terminal.text.count("got SIGINT") == 2
     # The terminal has told all processes; who interrupts the launch alone has not.

@@ -11,7 +11,9 @@ import pytest
 
 from course_kit.ros2 import packages
 from course_kit.ros2.line_completion import complete
-from tests.ros2_launches import ROOT, TIMEOUT, Prefix, RunningGroup, Terminal, none_left
+from tests.ros2_command import COMMAND, TIMEOUT
+from tests.ros2_launches import ROOT, Prefix, RunningGroup, none_left
+from tests.terminal import CTRL_C, Terminal
 
 WAITING = """
 import os, signal, sys, time
@@ -22,7 +24,7 @@ signal.signal(signal.SIGINT, end)
 signal.signal(signal.SIGTERM, end)
 print("pid", os.getpid(), flush=True)
 while True:
-    time.sleep(10)
+    time.sleep(0.05)  # Python calls the handler at the end of a sleep if the signal came just before it
 """
 
 
@@ -113,9 +115,9 @@ def test_sigterm_reaches_the_program(prefix: Prefix) -> None:
 
 def test_ctrl_c_in_a_terminal(prefix: Prefix) -> None:
     prefix.program("demo", "program", WAITING)
-    terminal = Terminal("run", "demo", "program", environment=prefix.environment)
+    terminal = Terminal([*COMMAND, "run", "demo", "program"], prefix.environment)
     terminal.wait_for("pid")
-    terminal.press_ctrl_c()
+    terminal.press(CTRL_C)
     assert terminal.end() == 0
     assert terminal.text.count("got SIGINT") == 1
 

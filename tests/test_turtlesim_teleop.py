@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import pty
-import select
 import signal
 import subprocess
 import sys
-import termios
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -26,6 +22,7 @@ from turtlesim.srv import Spawn
 from course_kit.turtlesim import Teleop
 from course_kit.turtlesim.keyboard import first_key
 from course_kit.turtlesim.teleop import HEADINGS, KEYS
+from tests.terminal import Terminal
 from tests.test_turtlesim_node import Ros, Spinning, ros
 from tests.waiting import TIMEOUT, wait_until
 
@@ -188,51 +185,15 @@ def test_first_key(typed: bytes, key: str | None, rest: bytes) -> None:
     assert first_key(typed) == (key, rest)
 
 
-class Terminal:
-    """The program in a terminal of its own."""
-
-    def __init__(self, *arguments: str) -> None:
-        self.ours, theirs = pty.openpty()
-        self._theirs = theirs
-        self.before = termios.tcgetattr(theirs)
-        command = [sys.executable, "-m", "course_kit.turtlesim.teleop", *arguments]
-        self.process = subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs)
-        self.printed = b""
-        self._reading = True
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
-        wait_until(lambda: b"quit" in self.printed, "usage")
-
-    def _read(self) -> None:
-        while self._reading:
-            if select.select([self.ours], [], [], 0.05)[0]:
-                self.printed += os.read(self.ours, 1024)
-
-    def type(self, keys: bytes) -> None:
-        os.write(self.ours, keys)
-
-    def settings(self) -> list[Any]:
-        return termios.tcgetattr(self._theirs)
-
-    def close(self) -> None:
-        """Close the window, so to say."""
-        self._reading = False
-        self._reader.join()
-        os.close(self.ours)
-
-    def end(self) -> int:
-        """Wait for the program and return its exit status."""
-        try:
-            return self.process.wait(TIMEOUT)
-        finally:
-            self.process.kill()
-            if self._reading:
-                self.close()
-            os.close(self._theirs)
+def teleop_in_a_terminal(*arguments: str) -> Terminal:
+    """The program, once it has told how it is used. That its window is closed, it is to see by itself."""
+    terminal = Terminal([sys.executable, "-m", "course_kit.turtlesim.teleop", *arguments], is_controlling=False)
+    terminal.wait_for("quit")
+    return terminal
 
 
 def test_terminal_keys_drive_and_q_quits(ros: Ros) -> None:
-    terminal = Terminal("--ros-args", "-r", "__ns:=/robot1", "-p", "scale_linear:=1.5")
+    terminal = teleop_in_a_terminal("--ros-args", "-r", "__ns:=/robot1", "-p", "scale_linear:=1.5")
     twists = listen(ros, "/robot1/turtle1/cmd_vel")
 
     def publishers() -> list[tuple[str, str]]:
@@ -243,53 +204,53 @@ def test_terminal_keys_drive_and_q_quits(ros: Ros) -> None:
     assert terminal.settings() != terminal.before
 
     def driven() -> bool:
-        terminal.type(b"\x1b[A")
+        terminal.press(b"\x1b[A")
         return bool(twists)
 
     wait_until(driven, "twist")  # the first keys may come before both sides are matched
-    terminal.type(b"xy\x1b[B\x1bOD")
+    terminal.press(b"xy\x1b[B\x1bOD")
     wait_until(lambda: len(twists) >= 3 and values(twists[-1]) == (0.0, 2.0), "twists")
     assert values(twists[0]) == (1.5, 0.0)
     assert values(twists[-2]) == (-1.5, 0.0)
-    terminal.type(b"q")
-    wait_until(lambda: terminal.process.poll() is not None, "end")
+    terminal.press(b"q")
+    wait_until(lambda: terminal.has_ended, "end")
     assert terminal.settings() == terminal.before
-    assert terminal.end() == 0, terminal.printed
-    assert b"Traceback" not in terminal.printed
+    assert terminal.end() == 0, terminal.text
+    assert "Traceback" not in terminal.text
 
 
 def test_terminal_letter_turns_the_turtle(ros: Ros) -> None:
     ros.run()
     poses = ros.listen(Pose, "turtle1/pose")
-    terminal = Terminal()
+    terminal = teleop_in_a_terminal()
     name = "turtle1/rotate_absolute/_action/feedback"
     wait_until(lambda: ros.observer.count_subscribers(name), "action client")
 
     def turns() -> bool:
-        terminal.type(b"t")
+        terminal.press(b"t")
         return poses[-1].theta > 0.1
 
     wait_until(turns, "turn")
     wait_until(lambda: abs(poses[-1].theta - HEADINGS["t"]) < 0.03, "heading")
-    terminal.type(b"q")
-    assert terminal.end() == 0, terminal.printed
+    terminal.press(b"q")
+    assert terminal.end() == 0, terminal.text
 
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
 def test_terminal_is_restored_after_a_signal(end: signal.Signals) -> None:
-    terminal = Terminal()
+    terminal = teleop_in_a_terminal()
     assert terminal.settings() != terminal.before
     terminal.process.send_signal(end)
-    wait_until(lambda: terminal.process.poll() is not None, "end")
+    wait_until(lambda: terminal.has_ended, "end")
     assert terminal.settings() == terminal.before
-    assert terminal.end() == 0, terminal.printed
-    assert b"Traceback" not in terminal.printed
+    assert terminal.end() == 0, terminal.text
+    assert "Traceback" not in terminal.text
 
 
 def test_program_ends_when_its_terminal_is_closed() -> None:
-    terminal = Terminal()
+    terminal = teleop_in_a_terminal()
     terminal.close()
-    assert terminal.end() == 0, terminal.printed
+    assert terminal.end() == 0, terminal.text
 
 
 def test_program_without_a_terminal_says_so() -> None:
