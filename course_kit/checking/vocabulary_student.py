@@ -10,6 +10,7 @@ from course_kit.checking.vocabulary import nearest
 
 DISCOVERY_TIMEOUT = 3.0
 ARRIVAL = 0.3  # seconds that a message may take which was sent just before the check
+LOG_ARRIVAL = 1.5  # the same for the log of a node that was started just before: its publisher must be found first
 
 
 def expect_running_node(name: str, node_class: str, points: int = 0) -> None:
@@ -39,5 +40,5 @@ def logged_by(logger: str) -> list[Any]:
         return heard.of_publisher(ends[-1], lambda line: line.name == logger) if ends else []
 
     heard.look(lambda: now().student.publishers("/rosout"))
-    now().wait(lines, ARRIVAL)
+    now().wait(lines, LOG_ARRIVAL)
     return lines()
