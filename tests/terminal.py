@@ -8,6 +8,7 @@ import pty
 import select
 import subprocess
 import termios
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -81,6 +82,7 @@ class Terminal:
     def _read(self, timeout: float = PAUSE) -> bool:
         """Read what comes within a time; whether something did."""
         if self._screen not in self._open:
+            time.sleep(timeout)
             return False
         is_there = bool(select.select([self._screen], [], [], timeout)[0])
         if is_there:

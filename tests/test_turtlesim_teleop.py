@@ -188,7 +188,7 @@ def test_first_key(typed: bytes, key: str | None, rest: bytes) -> None:
 def teleop_in_a_terminal(*arguments: str) -> Terminal:
     """The program, once it has told how it is used. That its window is closed, it is to see by itself."""
     terminal = Terminal([sys.executable, "-m", "course_kit.turtlesim.teleop", *arguments], is_controlling=False)
-    terminal.wait_for("quit")
+    terminal.wait_for("quit\n\n")  # all of it: what still prints when its window is closed fails
     return terminal
 
 
