@@ -242,6 +242,7 @@ given() {
 run_tests() {
     local python=$venv/bin/python failed=0 beside=()
     # Most tests wait for ROS most of the time, so there is one more of them at once than there are cores.
+    # Their groups begin in the order that tests/conftest.py gives, not by how many tests they have.
     (($#)) || beside=(--numprocesses "$(($(nproc) + 1))" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
     "$python" -m ruff check || failed=1
     "$python" -m ruff format --check || failed=1
