@@ -19,6 +19,7 @@ from course_kit.checking.examination import WORKSPACE, Ended, Examination, OutOf
 from course_kit.checking.lines import Closed, Lines, Message
 from course_kit.checking.station import Heard, Station
 from course_kit.checking.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
+from course_kit.checking.watching import open_watch
 from course_kit.exercises import Exercise
 
 DISCOVERY_TIMEOUT = 3.0
@@ -154,12 +155,10 @@ class Checker:
 
     def _watch(self, chapter: str) -> None:
         """Listen to what the chapter's exercises watch, from now on."""
-        topics = {topic for one in exercises.of_chapter(chapter) for topic in one.watches}
-        if not topics:
-            return
-        from course_kit.checking.watching import open_watch
-
-        for topic in sorted(topics - self._watched.keys()):
+        topics = {topic for one in exercises.of_chapter(chapter) for topic in one.watches} - self._watched.keys()
+        if "/rosout" in topics:
+            self.student.node_log()
+        for topic in sorted(topics - {"/rosout"}):
             self._watched[topic] = open_watch(self.student, topic)
 
     def _order(self, order: Message, timeout: float) -> dict[str, Any]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import rclpy
@@ -18,13 +17,14 @@ from rclpy.signals import SignalHandlerOptions
 
 from course_kit import context as ros_context
 from course_kit.checking.domains import on_this_machine
+from course_kit.checking.node_log import NodeLog
 from course_kit.checking.stage import WITHOUT_DESCRIPTIONS
 from course_kit.recordings.raw_subscriptions import RawSubscription, Watcher
 from course_kit.ros_graph import discovery, graph
 from course_kit.spinning import SpinThread, destroy, executor_for
 
 DEPTH = 10_000
-LOOK_PERIOD = 0.2  # seconds between two looks at who publishes what is watched
+LOG_PERIOD = 0.2  # seconds between two looks at what was logged
 KEPT = 20_000  # messages of one subscription
 
 _plain_init = rclpy.init
@@ -38,25 +38,6 @@ class Heard:
         self._kept: list[tuple[int, int, bytes]] = []
         self._lock = threading.Lock()
         self.subscription: RawSubscription | None = None
-        self._absent: dict[bytes, int] = {}  # publisher -> the last time (ns) at which it was not there yet
-        self._looked = 0
-        self._looking = threading.Lock()
-
-    def look(self, publishers: Callable[[], Sequence[Any]]) -> None:
-        """Note which publishers are there by now."""
-        with self._looking:
-            began = time.time_ns()
-            for one in publishers():
-                self._absent.setdefault(bytes(one.endpoint_gid), self._looked)
-            self._looked = began
-
-    def of_publisher(self, publisher: Any, belongs: Callable[[Any], bool]) -> list[Any]:
-        """The messages that `belongs` picks and that came since this publisher is there."""
-        since = self._absent.get(bytes(publisher.endpoint_gid), self._looked)
-        with self._lock:
-            kept = list(self._kept)
-        read = [deserialize_message(one, self._type) for when, _, one in kept if when >= since]
-        return [message for message in read if belongs(message)]
 
     def receive(self, serialised: bytes, info: dict[str, Any]) -> None:
         with self._lock:
@@ -129,6 +110,7 @@ class Station:
         self._spinning: list[SpinThread] = []
         self._hand: Node | None = None
         self._opened: list[Heard] = []
+        self._node_log: NodeLog | None = None
         self.mine: set[str] = set()
         self.discovery.keep(self.node)
         self._graph_thread = self._spin(self.node)
@@ -181,14 +163,6 @@ class Station:
             reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
             durability=DurabilityPolicy.VOLATILE,
         )
-        return self._subscribe(topic, message_type, qos)
-
-    def listen_late(self, topic: str, message_type: Any) -> Heard:
-        """Subscribe to a topic that keeps messages for newcomers, such as /rosout."""
-        qos = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        return self._subscribe(topic, message_type, qos)
-
-    def _subscribe(self, topic: str, message_type: Any, qos: QoSProfile) -> Heard:
         heard = Heard(message_type)
         heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
         self._opened.append(heard)
@@ -198,10 +172,12 @@ class Station:
         """Have a subscription outlast the check."""
         self._opened.remove(heard)
 
-    def look_at_publishers(self, heard: Heard, topic: str) -> None:
-        """Note from now on when which of its publishers came."""
-        heard.look(lambda: self.publishers(topic))
-        self.node.create_timer(LOOK_PERIOD, lambda: heard.look(lambda: self.publishers(topic)))
+    def node_log(self) -> NodeLog:
+        """What the nodes log, from the first call on."""
+        if self._node_log is None:
+            self._node_log = NodeLog(self.node)
+            self.node.create_timer(LOG_PERIOD, self._node_log.take)
+        return self._node_log
 
     @property
     def hand(self) -> Node:
@@ -261,6 +237,8 @@ class Station:
         """End the context, in good order: a node that just dies stays in the graph for seconds."""
         self.tidy()
         self._watcher.stop()
+        if self._node_log is not None:
+            self._node_log.close()
         discovery.forget(self.node)
         self._graph_thread.stop()
         destroy(self.node)

@@ -33,12 +33,11 @@ def heard_since_start(topic: str) -> list[Any]:
 
 def logged_by(logger: str) -> list[Any]:
     """What a node logged since it was started, as far as the checker heard it."""
-    heard = now().watched["/rosout"]
+    student = now().student
 
     def lines() -> list[Any]:
-        ends = [end for end in now().student.publishers("/rosout") if end.node_name == logger]
-        return heard.of_publisher(ends[-1], lambda line: line.name == logger) if ends else []
+        ends = [bytes(end.endpoint_gid) for end in student.publishers("/rosout") if end.node_name == logger]
+        return student.node_log().said_by(ends, logger)
 
-    heard.look(lambda: now().student.publishers("/rosout"))
     now().wait(lines, LOG_ARRIVAL)
     return lines()

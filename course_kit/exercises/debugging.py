@@ -113,12 +113,7 @@ def _lines_of_quiet(seconds: float) -> list[Any]:
     """What the node logs from now on for some seconds."""
     since = time.time_ns()
     pause(seconds)
-    heard = now().watched["/rosout"]
-    return [line for when, line in zip(heard.times, heard.messages, strict=False) if when >= since and _is_quiet(line)]
-
-
-def _is_quiet(line: Any) -> bool:
-    return bool(line.name == "quiet")
+    return [line.message for line in now().student.node_log().lines("quiet") if line.received >= since]
 
 
 def _such_as(lines: list[Any]) -> str:

@@ -1,13 +1,15 @@
-"""A subscription to a topic outside ROS's naming rules, such as the middleware's own `ros_discovery_info`.
+"""A subscription that speaks to rmw, the layer below rcl and rclpy, in C.
 
-rclpy and rcl put a slash before every topic's name, so this one speaks to rmw, the layer below, in C. What comes is
-taken by polling: it is meant for a few messages at the start of a process.
+It takes what rclpy does not give: topics outside ROS's naming rules, such as the middleware's own
+`ros_discovery_info` (rclpy puts a slash before every name), and which publisher sent a message. What comes is taken by
+polling: it is meant for a few messages a second.
 """
 
 from __future__ import annotations
 
 import ctypes
-from ctypes import POINTER, byref, c_bool, c_char_p, c_int, c_size_t, c_uint64, c_void_p
+from ctypes import POINTER, byref, c_bool, c_char_p, c_int, c_int64, c_size_t, c_uint8, c_uint64, c_void_p
+from dataclasses import dataclass
 from typing import Any
 
 import rclpy
@@ -15,6 +17,7 @@ from rclpy.node import Node
 
 RMW_RET_OK = 0
 KEEP_LAST, RELIABLE, TRANSIENT_LOCAL, AUTOMATIC = 1, 1, 1, 1  # of rmw/types.h
+GID_SIZE = 16  # bytes of an endpoint's id
 
 
 class _Time(ctypes.Structure):
@@ -57,6 +60,30 @@ class _SerializedMessage(ctypes.Structure):
     )
 
 
+class _Gid(ctypes.Structure):
+    _fields_ = (("implementation_identifier", c_char_p), ("data", c_uint8 * GID_SIZE))
+
+
+class _MessageInfo(ctypes.Structure):
+    _fields_ = (
+        ("source_timestamp", c_int64),
+        ("received_timestamp", c_int64),
+        ("publication_sequence_number", c_uint64),
+        ("reception_sequence_number", c_uint64),
+        ("publisher_gid", _Gid),
+        ("from_intra_process", c_bool),
+    )
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One message, serialised; when it was received (nanoseconds), and the id of its publisher."""
+
+    data: bytes
+    received: int
+    publisher: bytes
+
+
 def _function(library: str, name: str, result: Any, *arguments: Any) -> Any:
     # The libraries are loaded already, rclpy stands on them: this finds them by name.
     function = getattr(ctypes.CDLL(library), name)
@@ -65,7 +92,7 @@ def _function(library: str, name: str, result: Any, *arguments: Any) -> Any:
 
 
 class SerializedSubscription:
-    """A reliable, transient local subscription to the topic `name`, exactly so spelt. take() gives bytes or None.
+    """A reliable, transient local subscription to the topic `name`, exactly so spelt: `rt/rosout` is /rosout.
 
     The type is named by its package and its name, and its Python class is not loaded: those with arrays take 0.1 s.
     Close it before its node is destroyed. Raises RuntimeError if the middleware refuses it.
@@ -79,11 +106,12 @@ class SerializedSubscription:
         self._destroy = _function(middleware, "rmw_destroy_subscription", c_int, c_void_p, c_void_p)
         self._take = _function(
             middleware,
-            "rmw_take_serialized_message",
+            "rmw_take_serialized_message_with_info",
             c_int,
             c_void_p,
             POINTER(_SerializedMessage),
             POINTER(c_bool),
+            POINTER(_MessageInfo),
             c_void_p,
         )
         allocator = _function("librcutils.so", "rcutils_get_default_allocator", _Allocator)()
@@ -105,15 +133,16 @@ class SerializedSubscription:
         if not self._subscription:
             raise RuntimeError(f"the middleware refuses a subscription to {name}")
 
-    def take(self) -> bytes | None:
-        """The next message, serialised; None if there is none."""
+    def take(self) -> Sample | None:
+        """The next message; None if there is none."""
         if not self._subscription:
             return None
-        taken = c_bool()
-        status = self._take(self._subscription, byref(self._message), byref(taken), None)
+        taken, info = c_bool(), _MessageInfo()
+        status = self._take(self._subscription, byref(self._message), byref(taken), byref(info), None)
         if status != RMW_RET_OK or not taken.value:
             return None
-        return ctypes.string_at(self._message.buffer, self._message.buffer_length)
+        data = ctypes.string_at(self._message.buffer, self._message.buffer_length)
+        return Sample(data, info.received_timestamp, bytes(info.publisher_gid.data))
 
     def close(self) -> None:
         """End the subscription. Safe to call twice."""

@@ -19,7 +19,7 @@ from pathlib import Path
 import rclpy
 from rclpy.node import Node
 
-from course_kit.recordings.rmw_subscription import SerializedSubscription
+from course_kit.recordings.rmw_subscription import GID_SIZE, SerializedSubscription
 from course_kit.ros_graph.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
@@ -27,8 +27,7 @@ REST = 2.5  # seconds without news after which no more is expected: lost message
 TAKE_PERIOD = 1.0  # seconds between two looks at the messages of a process that stays
 TOPIC = "ros_discovery_info"
 DEPTH = 1000
-GID_SIZE = 16  # bytes of an endpoint's id, the first PARTICIPANT_SIZE of which are its participant's
-PARTICIPANT_SIZE = 12
+PARTICIPANT_SIZE = 12  # bytes of an endpoint's id, the first, that are its participant's
 
 # How RTPS computes the ports of a domain's participants: 2 for each, for discovery and for data.
 PORT_BASE, DOMAIN_GAIN, PARTICIPANT_GAIN = 7400, 250, 2
@@ -184,8 +183,8 @@ class Discovery:
 
     def _take(self) -> None:
         with self._lock:
-            while self._subscription is not None and (data := self._subscription.take()) is not None:
-                announced = entities(data)
+            while self._subscription is not None and (sample := self._subscription.take()) is not None:
+                announced = entities(sample.data)
                 self._announced[announced.participant] = announced
 
     def _look_for(self, node: Node, missing: set[bytes]) -> bool:

@@ -1,0 +1,70 @@
+"""The checker's reading of /rosout: which node said it, told by the publisher and not by the name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from rclpy.node import Node
+
+from course_kit import context
+from course_kit.checking.node_log import NodeLog
+from course_kit.checking.station import Station
+from tests.waiting import wait_until
+
+pytestmark = pytest.mark.usefixtures("fresh_domain")
+
+
+@pytest.fixture
+def station() -> Iterator[Station]:
+    context.start()
+    station = Station(None, only_here=False)
+    yield station
+    station.close()
+
+
+def talker_publishers(station: Station) -> list[bytes]:
+    return [bytes(end.endpoint_gid) for end in station.publishers("/rosout") if end.node_name == "talker"]
+
+
+def texts(log: NodeLog, publishers: list[bytes]) -> list[str]:
+    return [message.msg for message in log.said_by(publishers, "talker")]
+
+
+def test_a_node_is_not_given_the_lines_of_the_one_of_its_name_before(station):
+    log = station.node_log()
+    first = Node("talker")
+    first.get_logger().info("the first")
+    wait_until(lambda: log.lines("talker"))
+    (before,) = wait_until(lambda: talker_publishers(station))
+    first.destroy_node()
+    second = Node("talker")
+    wait_until(lambda: set(talker_publishers(station)) - {before})
+    later = [one for one in talker_publishers(station) if one != before]
+    assert texts(log, later) == []  # it has said nothing, however late the graph is looked at
+    second.get_logger().info("the second")
+    wait_until(lambda: len(log.lines("talker")) == 2)
+    assert (texts(log, [before]), texts(log, later)) == (["the first"], ["the second"])
+    second.destroy_node()
+
+
+def test_lines_said_before_the_log_was_opened_are_in_it(station):
+    early = Node("talker")
+    early.get_logger().info("early")
+    log = station.node_log()
+    wait_until(lambda: log.lines("talker") and talker_publishers(station))
+    assert texts(log, talker_publishers(station)) == ["early"]
+    assert log.lines("nobody") == []
+    early.destroy_node()
+
+
+def test_every_line_comes_and_in_its_order(station):
+    log = station.node_log()
+    assert station.node_log() is log
+    busy = Node("talker")
+    wait_until(lambda: talker_publishers(station))
+    for number in range(2000):
+        busy.get_logger().info(str(number))
+    wait_until(lambda: len(log.lines("talker")) == 2000)
+    assert texts(log, talker_publishers(station)) == [str(number) for number in range(2000)]
+    busy.destroy_node()
