@@ -10,7 +10,7 @@ from course_kit.checking.vocabulary import nearest
 
 DISCOVERY_TIMEOUT = 3.0
 ARRIVAL = 0.3  # seconds that a message may take which was sent just before the check
-LOG_ARRIVAL = 1.5  # the same for the log of a node that was started just before: its publisher must be found first
+LOG_ARRIVAL = 1.5  # the same for a log line: the publisher of a node just started must be found first
 
 
 def expect_running_node(name: str, node_class: str, points: int = 0) -> None:
