@@ -22,7 +22,7 @@ TIMEOUT = 60.0
 
 
 class Terminal:
-    """Starts a command; as a context it kills what has not ended."""
+    """Starts a command. A context: in the end it kills what has not ended."""
 
     def __init__(
         self, command: Sequence[str], environment: dict[str, str] | None = None, is_controlling: bool = True
@@ -74,10 +74,9 @@ class Terminal:
 
     def end(self) -> int:
         """Read until the program has ended by itself; return its exit status."""
-        with self:
-            assert comes_true(lambda: self.has_ended, TIMEOUT, self._read), f"no end of {self.text}"
-            self._read_rest()
-            return int(self.process.returncode)
+        assert comes_true(lambda: self.has_ended, TIMEOUT, self._read), f"no end of {self.text}"
+        self._read_rest()
+        return int(self.process.returncode)
 
     def _read(self, timeout: float = PAUSE) -> bool:
         """Read what comes within a time; whether something did."""

@@ -69,13 +69,13 @@ def test_an_interrupt_reaches_every_process_once(prefix: Prefix, whole_group: bo
 @pytest.mark.parametrize("by_key", [True, False])
 def test_ctrl_c_in_a_terminal(prefix: Prefix, by_key: bool) -> None:
     prefix.launch_file("demo", "demo.launch.py", f"python({COUNTING!r}), python({COUNTING!r})")
-    terminal = Terminal([*COMMAND, "launch", "demo", "demo.launch.py"], prefix.environment)
-    terminal.wait_for("ready", 2)
-    if by_key:
-        terminal.press(CTRL_C)
-    else:
-        terminal.process.send_signal(signal.SIGINT)
-    assert terminal.end() == 0
+    with Terminal([*COMMAND, "launch", "demo", "demo.launch.py"], prefix.environment) as terminal:
+        terminal.wait_for("ready", 2)
+        if by_key:
+            terminal.press(CTRL_C)
+        else:
+            terminal.process.send_signal(signal.SIGINT)
+        assert terminal.end() == 0
     assert terminal.text.count("got SIGINT") == 2
     # The terminal has told all processes; who interrupts the launch alone has not.
     assert terminal.text.count("sending signal") == (0 if by_key else 2)

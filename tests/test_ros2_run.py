@@ -115,10 +115,10 @@ def test_sigterm_reaches_the_program(prefix: Prefix) -> None:
 
 def test_ctrl_c_in_a_terminal(prefix: Prefix) -> None:
     prefix.program("demo", "program", WAITING)
-    terminal = Terminal([*COMMAND, "run", "demo", "program"], prefix.environment)
-    terminal.wait_for("pid")
-    terminal.press(CTRL_C)
-    assert terminal.end() == 0
+    with Terminal([*COMMAND, "run", "demo", "program"], prefix.environment) as terminal:
+        terminal.wait_for("pid")
+        terminal.press(CTRL_C)
+        assert terminal.end() == 0
     assert terminal.text.count("got SIGINT") == 1
 
 

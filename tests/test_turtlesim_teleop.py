@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -185,72 +186,72 @@ def test_first_key(typed: bytes, key: str | None, rest: bytes) -> None:
     assert first_key(typed) == (key, rest)
 
 
-def teleop_in_a_terminal(*arguments: str) -> Terminal:
+@contextmanager
+def teleop_in_a_terminal(*arguments: str) -> Iterator[Terminal]:
     """The program, once it has told how it is used. That its window is closed, it is to see by itself."""
-    terminal = Terminal([sys.executable, "-m", "course_kit.turtlesim.teleop", *arguments], is_controlling=False)
-    terminal.wait_for("quit\n\n")  # all of it: what still prints when its window is closed fails
-    return terminal
+    command = [sys.executable, "-m", "course_kit.turtlesim.teleop", *arguments]
+    with Terminal(command, is_controlling=False) as terminal:
+        terminal.wait_for("quit\n\n")  # all of it: what still prints when its window is closed fails
+        yield terminal
 
 
 def test_terminal_keys_drive_and_q_quits(ros: Ros) -> None:
-    terminal = teleop_in_a_terminal("--ros-args", "-r", "__ns:=/robot1", "-p", "scale_linear:=1.5")
-    twists = listen(ros, "/robot1/turtle1/cmd_vel")
+    with teleop_in_a_terminal("--ros-args", "-r", "__ns:=/robot1", "-p", "scale_linear:=1.5") as terminal:
+        twists = listen(ros, "/robot1/turtle1/cmd_vel")
 
-    def publishers() -> list[tuple[str, str]]:
-        infos = ros.observer.get_publishers_info_by_topic("/robot1/turtle1/cmd_vel")
-        return [(info.node_name, info.node_namespace) for info in infos]
+        def publishers() -> list[tuple[str, str]]:
+            infos = ros.observer.get_publishers_info_by_topic("/robot1/turtle1/cmd_vel")
+            return [(info.node_name, info.node_namespace) for info in infos]
 
-    wait_until(lambda: publishers() == [("teleop_turtle", "/robot1")], "teleop_turtle in the graph")
-    assert terminal.settings() != terminal.before
+        wait_until(lambda: publishers() == [("teleop_turtle", "/robot1")], "teleop_turtle in the graph")
+        assert terminal.settings() != terminal.before
 
-    def driven() -> bool:
-        terminal.press(b"\x1b[A")
-        return bool(twists)
+        def driven() -> bool:
+            terminal.press(b"\x1b[A")
+            return bool(twists)
 
-    wait_until(driven, "twist")  # the first keys may come before both sides are matched
-    terminal.press(b"xy\x1b[B\x1bOD")
-    wait_until(lambda: len(twists) >= 3 and values(twists[-1]) == (0.0, 2.0), "twists")
-    assert values(twists[0]) == (1.5, 0.0)
-    assert values(twists[-2]) == (-1.5, 0.0)
-    terminal.press(b"q")
-    wait_until(lambda: terminal.has_ended, "end")
-    assert terminal.settings() == terminal.before
-    assert terminal.end() == 0, terminal.text
-    assert "Traceback" not in terminal.text
+        wait_until(driven, "twist")  # the first keys may come before both sides are matched
+        terminal.press(b"xy\x1b[B\x1bOD")
+        wait_until(lambda: len(twists) >= 3 and values(twists[-1]) == (0.0, 2.0), "twists")
+        assert values(twists[0]) == (1.5, 0.0)
+        assert values(twists[-2]) == (-1.5, 0.0)
+        terminal.press(b"q")
+        assert terminal.end() == 0, terminal.text
+        assert terminal.settings() == terminal.before
+        assert "Traceback" not in terminal.text
 
 
 def test_terminal_letter_turns_the_turtle(ros: Ros) -> None:
     ros.run()
     poses = ros.listen(Pose, "turtle1/pose")
-    terminal = teleop_in_a_terminal()
-    name = "turtle1/rotate_absolute/_action/feedback"
-    wait_until(lambda: ros.observer.count_subscribers(name), "action client")
+    with teleop_in_a_terminal() as terminal:
+        name = "turtle1/rotate_absolute/_action/feedback"
+        wait_until(lambda: ros.observer.count_subscribers(name), "action client")
 
-    def turns() -> bool:
-        terminal.press(b"t")
-        return poses[-1].theta > 0.1
+        def turns() -> bool:
+            terminal.press(b"t")
+            return poses[-1].theta > 0.1
 
-    wait_until(turns, "turn")
-    wait_until(lambda: abs(poses[-1].theta - HEADINGS["t"]) < 0.03, "heading")
-    terminal.press(b"q")
-    assert terminal.end() == 0, terminal.text
+        wait_until(turns, "turn")
+        wait_until(lambda: abs(poses[-1].theta - HEADINGS["t"]) < 0.03, "heading")
+        terminal.press(b"q")
+        assert terminal.end() == 0, terminal.text
 
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
 def test_terminal_is_restored_after_a_signal(end: signal.Signals) -> None:
-    terminal = teleop_in_a_terminal()
-    assert terminal.settings() != terminal.before
-    terminal.process.send_signal(end)
-    wait_until(lambda: terminal.has_ended, "end")
-    assert terminal.settings() == terminal.before
-    assert terminal.end() == 0, terminal.text
-    assert "Traceback" not in terminal.text
+    with teleop_in_a_terminal() as terminal:
+        assert terminal.settings() != terminal.before
+        terminal.process.send_signal(end)
+        assert terminal.end() == 0, terminal.text
+        assert terminal.settings() == terminal.before
+        assert "Traceback" not in terminal.text
 
 
 def test_program_ends_when_its_terminal_is_closed() -> None:
-    terminal = teleop_in_a_terminal()
-    terminal.close()
-    assert terminal.end() == 0, terminal.text
+    with teleop_in_a_terminal() as terminal:
+        terminal.close()
+        assert terminal.end() == 0, terminal.text
 
 
 def test_program_without_a_terminal_says_so() -> None:
