@@ -23,7 +23,7 @@ from course_kit import context, errors
 from course_kit.node_logs import rosout
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
-from course_kit.spinning import SpinThread, destroy, executor_for
+from course_kit.spinning import SpinThread, construct, destroy, executor_for
 
 NodeType = TypeVar("NodeType", bound=Node)
 # Python lets a busy cell keep the interpreter for 5 ms before a callback gets its turn; a tenth of that halves the
@@ -48,9 +48,8 @@ _listeners: list[Callable[[str, str], None]] = []
 
 
 class _Constructing(threading.local):
-    """The node whose constructor runs in this thread."""
+    """The name of the node whose constructor runs in this thread."""
 
-    node: Node | None = None
     name = ""
 
 
@@ -139,32 +138,25 @@ class _Replacing(Node):
         namespace = (kwargs.get("namespace") or "").strip("/")
         name = "/" + "/".join(part for part in (namespace, node_name) if part)
         _replace(name)
-        _constructing.node, _constructing.name = self, name
+        _constructing.name = name
         _announce(name)
         super().__init__(node_name, *args, **kwargs)
 
 
 def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Node:
-    """Make the node; if its constructor fails, nothing of it stays in the graph."""
-    make = node
-    if isinstance(node, type):
-        bases = (_Replacing,) if node is Node else (node, _Replacing)
-        make = type(node.__name__, bases, {"__module__": node.__module__, "__doc__": node.__doc__})
-    _constructing.node = None
+    if not isinstance(node, type):
+        made = node(*args, **kwargs)
+        if not isinstance(made, Node):
+            raise TypeError(f"run() got a callable that returned {type(made).__name__}, not a node")
+        return made
+    bases = (_Replacing,) if node is Node else (node, _Replacing)
+    make = type(node.__name__, bases, {"__module__": node.__module__, "__doc__": node.__doc__})
     try:
-        made = make(*args, **kwargs)
+        return construct(make, args, kwargs)
     except BaseException:
-        half_made = _constructing.node
-        if half_made is not None:
+        if _constructing.name:  # it was announced
             _tell("failed", _constructing.name)
-            if hasattr(half_made, "_Node__node"):  # rclpy had got as far as the graph
-                half_made.destroy_node()
         raise
-    finally:
-        _constructing.node = None
-    if not isinstance(made, Node):
-        raise TypeError(f"run() got a callable that returned {type(made).__name__}, not a node")
-    return made
 
 
 def _replace(name: str, unless: Node | None = None) -> None:

@@ -7,7 +7,7 @@ import contextvars
 import ctypes
 import inspect
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rclpy.action import ActionClient, ActionServer
@@ -53,10 +53,29 @@ def minds_groups(node: Node) -> bool:
     return any(inspect.iscoroutinefunction(entity.callback) for entity in entities)
 
 
+def construct(node_class: type[Node], args: Sequence[Any], kwargs: Mapping[str, Any]) -> Node:
+    """Make a node of a class; if its constructor fails, nothing of it stays in the graph.
+
+    A half-made node lives on in the traceback. One of the same name in its context would be mixed up with it: the
+    middleware goes by names, and announces the publishers of the one as the other's.
+    """
+    node = node_class.__new__(node_class, *args, **kwargs)
+    try:
+        node_class.__init__(node, *args, **kwargs)
+    except BaseException:
+        if hasattr(node, "_Node__node"):  # rclpy had got as far as the graph
+            destroy(node)
+        raise
+    return node
+
+
 def destroy(node: Node) -> None:
     """Destroy a node that no executor spins any more, with its action servers and clients, which rclpy leaves."""
-    with contextlib.suppress(Exception):  # a student may have destroyed it
+    try:
         node.destroy_node()  # first: the student's own may destroy an action server, which goes only once
+    except Exception:  # the student's own fails, or has done it before
+        with contextlib.suppress(Exception):
+            Node.destroy_node(node)
     for waitable in list(node.waitables):
         if isinstance(waitable, ActionClient | ActionServer):
             with contextlib.suppress(Exception):

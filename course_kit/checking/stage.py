@@ -25,7 +25,7 @@ from rclpy.signals import SignalHandlerOptions
 from course_kit import context as ros_context
 from course_kit.checking.domains import on_this_machine
 from course_kit.checking.lines import as_json
-from course_kit.spinning import NodeStopped, SpinThread, destroy, executor_for
+from course_kit.spinning import NodeStopped, SpinThread, construct, destroy, executor_for
 
 STOP_TIMEOUT = 0.5
 KEPT_ERRORS = 20
@@ -86,7 +86,7 @@ class Stage:
             (node_class, _OnStage),
             {"__module__": node_class.__module__, "_course_kit_context": self._context},
         )
-        node = shim(*arguments)
+        node = construct(shim, arguments, {})
         if node.context is not self._context:
             node.destroy_node()
             raise TypeError(f'{node_class.__name__}.__init__ must begin with super().__init__("name of the node")')

@@ -16,7 +16,7 @@ from course_kit.turtlesim.node import TurtleSim
 from course_kit.turtlesim.turtle import TICK
 
 NODE_TIMEOUT = 3.0
-SETTLE_TIMEOUT = 1.5  # seconds given to what comes later than the node: a lost message is repeated after one
+SETTLE_TIMEOUT = 0.7  # seconds given to what may come a little later than the node
 
 
 def answer(node_class: str, *arguments: Any, threads: bool = False) -> None:

@@ -1,0 +1,54 @@
+"""The stage in the notebook's process: the student's class made anew, in a domain of the checker's."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+
+import pytest
+from rclpy.node import Node
+from std_msgs.msg import String
+
+from course_kit.checking.domains import reserve_stage
+from course_kit.checking.stage import Stage
+from course_kit.checking.station import Station
+from tests.waiting import wait_until
+
+
+class Whole(Node):
+    def __init__(self) -> None:
+        super().__init__("sayer")
+        self.words = self.create_publisher(String, "words", 10)
+
+
+class HalfMade(Whole):
+    def __init__(self) -> None:
+        super().__init__()
+        raise NameError("ten")
+
+    def destroy_node(self) -> None:
+        raise AttributeError("what the constructor was to make")
+
+
+@pytest.fixture
+def domain() -> int:
+    return reserve_stage()
+
+
+@pytest.fixture
+def station(domain: int) -> Iterator[Station]:
+    station = Station(domain, only_here=True)
+    yield station
+    station.close()
+
+
+def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(domain: int, station: Station) -> None:
+    stage = Stage(domain)
+    with pytest.raises(NameError, match="ten") as raised:  # and not what its destroy_node() raises
+        stage.start(HalfMade, [], threads=False)
+    stage.start(Whole, [], threads=False)
+    del raised
+    gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
+    assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]
+    assert station.their_nodes() == ["/sayer"]
+    stage.close()
