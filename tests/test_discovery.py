@@ -103,3 +103,18 @@ def heard(folder: Path, timeout: float, **variables: str) -> float | None:
     assert done.returncode == 0, done.stderr
     first: float | None = json.loads(done.stdout)["first"]
     return first
+
+
+def test_a_node_that_has_gone_is_alive_at_no_time(talker, watcher):
+    wait_until(lambda: len(watcher.get_node_names()) > 1)
+    there = watcher.get_node_names_and_namespaces()
+    fresh = discovery.Discovery(watcher)  # it has yet to hear what the participants announce
+    looks: list[list[tuple[str, str]]] = []
+
+    def look() -> bool:
+        looks.append(fresh.alive([*there, ("gone", "/")]))
+        return sorted(looks[-1]) == sorted(there)
+
+    wait_until(look)
+    fresh.close()
+    assert not any(("gone", "/") in alive for alive in looks)

@@ -78,7 +78,7 @@ def test_nothing_is_left_when_the_kernel_is_killed(kernel: Kernel) -> None:
 
 
 def test_a_duration_ends_a_launch_in_a_terminal_too(prefix: Prefix) -> None:
-    with RunningGroup("launch", "--duration", "2", "demo", "demo.launch.py", environment=prefix.environment) as running:
+    with RunningGroup("launch", "--duration", "5", "demo", "demo.launch.py", environment=prefix.environment) as running:
         started = running.pids(2)
         assert running.end().status == 0
         assert "[child-1] polite" in running.lines

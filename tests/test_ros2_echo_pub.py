@@ -101,7 +101,7 @@ def test_echo_goes_on_until_it_is_interrupted():
 
 @pytest.mark.parametrize("limit", ["--timeout", "--duration"])
 def test_echo_ends_well_after_a_time(limit):
-    outcome = ros2("topic", "echo", "/chatter", limit, "2")
+    outcome = ros2("topic", "echo", "/chatter", limit, "5")
     assert (outcome.err, outcome.status) == ("", 0)
     assert outcome.out.count("---\n") >= 2
     nothing = ros2("topic", "echo", "/robot1/cmd_vel", limit, "0.2")
@@ -129,7 +129,7 @@ def test_octets_are_printed_as_characters():
 
 
 def test_echo_follows_the_publishers_unless_told_otherwise():
-    latched = ros2("topic", "echo", "/latched", "--timeout", "1")
+    latched = ros2("topic", "echo", "/latched", "--timeout", "3")
     assert latched.out == "".join(f"data: {text}\n---\n" for text in ("one", "two", "three"))
     assert ros2("topic", "echo", "/latched", "--qos-durability", "volatile", "--timeout", "1").out == ""
     wanted = ("--qos-durability", "transient_local", "--qos-reliability", "reliable")

@@ -17,6 +17,7 @@ from course_kit.turtlesim.turtle import TICK
 
 NODE_TIMEOUT = 3.0
 SETTLE_TIMEOUT = 0.7  # seconds given to what may come a little later than the node
+PROGRAM_SETTLE_TIMEOUT = 5.0  # the same in a program, whose constructor goes on when its node is in the graph
 
 
 def answer(node_class: str, *arguments: Any, threads: bool = False) -> None:
@@ -48,6 +49,11 @@ def expect_node(name: str) -> None:
         else "No node of yours is in the graph: does its constructor call super().__init__()?"
     )
     now().settle(f"its node is called `{name}`", name in there, hint)
+
+
+def settle_timeout() -> float:
+    """Seconds given to what may come later than the answer's node."""
+    return PROGRAM_SETTLE_TIMEOUT if now().exercise.file else SETTLE_TIMEOUT
 
 
 def a_turtle(period: float = TICK) -> TurtleSim:

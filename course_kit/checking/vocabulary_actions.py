@@ -13,7 +13,7 @@ from rclpy.task import Future
 
 from course_kit.checking.examination import now
 from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import SETTLE_TIMEOUT, nearest
+from course_kit.checking.vocabulary import nearest, settle_timeout
 
 CONNECT_TIMEOUT = 3.0
 WORDS = {
@@ -33,7 +33,7 @@ def _actions() -> dict[str, list[str]]:
 
 def expect_action(name: str, action_type: Any) -> None:
     """The answer offers an action of this type."""
-    now().wait(lambda: name in _actions(), SETTLE_TIMEOUT)
+    now().wait(lambda: name in _actions(), settle_timeout())
     there = _actions()
     hint = f"Nobody offers the action `{name}`. {nearest(name, list(there))}"
     hint += f"Your node offers {', '.join(there)}. " if there else "Your node offers none. "

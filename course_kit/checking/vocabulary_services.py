@@ -11,7 +11,7 @@ from typing import Any
 from rclpy.node import Node
 
 from course_kit.checking.examination import now
-from course_kit.checking.vocabulary import SETTLE_TIMEOUT, nearest
+from course_kit.checking.vocabulary import nearest, settle_timeout
 
 CONNECT_TIMEOUT = 3.0
 
@@ -33,7 +33,7 @@ def service_type_name(service_type: Any) -> str:
 
 def expect_service(name: str, service_type: Any) -> None:
     """The answer offers a service of this type."""
-    now().wait(lambda: name in _services(), SETTLE_TIMEOUT)
+    now().wait(lambda: name in _services(), settle_timeout())
     there = _services()
     hint = f"Nobody serves `{name}`. {nearest(name, list(there))}"
     hint += f"Your node serves {', '.join(there)}. " if there else "Your node has no service of its own. "

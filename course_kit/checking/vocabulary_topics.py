@@ -11,7 +11,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from course_kit.checking.examination import now
 from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import SETTLE_TIMEOUT, nearest, pause
+from course_kit.checking.vocabulary import nearest, pause, settle_timeout
 from course_kit.recordings.measure import measure
 from course_kit.ros_graph import topics
 from course_kit.ros_graph.topics import type_name
@@ -39,7 +39,7 @@ def _expect_end(
     ends: Callable[[str], Sequence[Any]],
     of_node: Callable[[Any], dict[str, list[str]]],
 ) -> None:
-    now().wait(lambda: ends(topic), SETTLE_TIMEOUT)
+    now().wait(lambda: ends(topic), settle_timeout())
     found = ends(topic)
     names = now().stage.their_nodes()
     theirs = sorted({name for one in now().stage.offered() for name in of_node(one)} - {"/parameter_events"})

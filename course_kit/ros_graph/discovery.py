@@ -150,9 +150,10 @@ class Discovery:
             return False
         if len(known) < participants_listening(self._domain, Path("/proc/net/udp").read_text()):
             return False
-        announced = self._announced_by(known)
-        if announced is None:
+        self._take()
+        if not known <= self._announced.keys():
             return False
+        announced = [self._announced[participant] for participant in known]
         # The middleware reads these messages for itself, earlier or later than they are read here.
         if _nodes(announced) - Counter(node.get_node_names_and_namespaces()):
             return False
@@ -160,26 +161,21 @@ class Discovery:
         return not missing or self._look_for(node, missing)
 
     def alive(self, listed: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-        """Of listed nodes, as (name, namespace), those whose participant is there.
+        """Of listed nodes, as (name, namespace), those whose participant is there and has announced them.
 
         The middleware keeps a node for ever if its last message is read after the end of its participant.
         """
         node = self._node()
         if node is None or self._subscription is None:
             return list(listed)
-        announced = self._announced_by(self._participants(node))
-        return list(listed if announced is None else (Counter(listed) & _nodes(announced)).elements())
+        self._take()
+        there = self._participants(node)
+        announced = [self._announced[participant] for participant in there if participant in self._announced]
+        return list((Counter(listed) & _nodes(announced)).elements())
 
     def _participants(self, node: Node) -> set[bytes]:
         writers = node.get_publishers_info_by_topic(TOPIC, no_mangle=True)
         return {bytes(writer.endpoint_gid)[:PARTICIPANT_SIZE] for writer in writers}
-
-    def _announced_by(self, participants: set[bytes]) -> list[Entities] | None:
-        """What these participants have announced; None if one of them has not yet."""
-        self._take()
-        if not participants <= self._announced.keys():
-            return None
-        return [self._announced[participant] for participant in participants]
 
     def _take(self) -> None:
         with self._lock:
