@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import pytest
 from rclpy.node import Node
@@ -27,7 +27,7 @@ def talker_publishers(station: Station) -> list[bytes]:
     return [bytes(end.endpoint_gid) for end in station.publishers("/rosout") if end.node_name == "talker"]
 
 
-def texts(log: NodeLog, publishers: list[bytes]) -> list[str]:
+def texts(log: NodeLog, publishers: Collection[bytes]) -> list[str]:
     return [message.msg for message in log.said_by(publishers, "talker")]
 
 
@@ -39,8 +39,7 @@ def test_a_node_is_not_given_the_lines_of_the_one_of_its_name_before(station):
     (before,) = wait_until(lambda: talker_publishers(station))
     first.destroy_node()
     second = Node("talker")
-    wait_until(lambda: set(talker_publishers(station)) - {before})
-    later = [one for one in talker_publishers(station) if one != before]
+    later = wait_until(lambda: set(talker_publishers(station)) - {before})
     assert texts(log, later) == []  # it has said nothing, however late the graph is looked at
     second.get_logger().info("the second")
     wait_until(lambda: len(log.lines("talker")) == 2)

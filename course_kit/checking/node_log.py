@@ -11,12 +11,11 @@ from collections import deque
 from collections.abc import Collection
 from typing import Any, NamedTuple
 
-import rclpy
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from course_kit.recordings.rmw_subscription import SerializedSubscription
+from course_kit.recordings.rmw_subscription import SerializedSubscription, is_fast_dds
 
 TOPIC = "rt/rosout"  # /rosout, as the middleware spells it
 DEPTH = 10_000
@@ -39,7 +38,7 @@ class NodeLog:
         self._lines: deque[Line] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         # Cyclone DDS calls the sender of a message otherwise than the endpoint in the graph: there the name must do.
-        self._tells_publishers = rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps")
+        self._by_name = not is_fast_dds()
 
     def take(self) -> None:
         """Take what has come."""
@@ -56,8 +55,7 @@ class NodeLog:
 
     def said_by(self, publishers: Collection[bytes], logger: str) -> list[Any]:
         """The messages under a logger's name that came from these publishers."""
-        by_name = not self._tells_publishers
-        return [line.message for line in self.lines(logger) if by_name or line.publisher in publishers]
+        return [line.message for line in self.lines(logger) if self._by_name or line.publisher in publishers]
 
     def close(self) -> None:
         """End the subscription; before the node is destroyed."""

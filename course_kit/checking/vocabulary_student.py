@@ -8,7 +8,6 @@ from typing import Any
 from course_kit.checking.examination import now
 from course_kit.checking.vocabulary import nearest
 
-DISCOVERY_TIMEOUT = 3.0
 ARRIVAL = 0.3  # seconds that a message may take which was sent just before the check
 LOG_ARRIVAL = 1.5  # the same for a log line: the publisher of a node just started must be found first
 

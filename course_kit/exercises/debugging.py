@@ -86,8 +86,9 @@ def not_so_loud() -> None:
         wait(lambda: len(poses) >= before + 10, 3.0),
         "No pose came on `/turtle1/pose`: `run(TurtleSim)`, and leave it running.",
     )
-    normal = _lines_of_quiet(3.0)
-    infos = [line for line in normal if line.level >= INFO]
+    began = time.time_ns()
+    pause(3.0)
+    infos = [line for line in _lines_since(began) if line.level >= INFO]
     expect(
         "it logs `x = …` as INFO, once a second at most",
         2 <= len(infos) <= 4 and all(line.msg.startswith("x = ") and line.level == INFO for line in infos),
@@ -111,14 +112,8 @@ def not_so_loud() -> None:
     )
 
 
-def _lines_of_quiet(seconds: float) -> list[Any]:
-    """What the node logs from now on for some seconds."""
-    began = time.time_ns()
-    pause(seconds)
-    return _lines_since(began)
-
-
 def _lines_since(began: int) -> list[Any]:
+    """What /quiet has logged since a time (nanoseconds)."""
     return [line.message for line in now().student.node_log().lines("quiet") if line.received >= began]
 
 

@@ -84,6 +84,11 @@ class Sample:
     publisher: bytes
 
 
+def is_fast_dds() -> bool:
+    """Whether the middleware is Fast DDS: what stands here about ids and announcements is true of it."""
+    return rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps")
+
+
 def _function(library: str, name: str, result: Any, *arguments: Any) -> Any:
     # The libraries are loaded already, rclpy stands on them: this finds them by name.
     function = getattr(ctypes.CDLL(library), name)

@@ -16,10 +16,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import rclpy
 from rclpy.node import Node
 
-from course_kit.recordings.rmw_subscription import GID_SIZE, SerializedSubscription
+from course_kit.recordings.rmw_subscription import GID_SIZE, SerializedSubscription, is_fast_dds
 from course_kit.ros_graph.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
@@ -106,7 +105,7 @@ class Discovery:
         self._lock = threading.Lock()
         self._is_kept = False
         self._subscription: SerializedSubscription | None = None
-        if rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps"):
+        if is_fast_dds():
             self._subscription = SerializedSubscription(node, TOPIC, "rmw_dds_common", "ParticipantEntitiesInfo", DEPTH)
 
     def keep(self, node: Node) -> None:
@@ -150,10 +149,9 @@ class Discovery:
             return False
         if len(known) < participants_listening(self._domain, Path("/proc/net/udp").read_text()):
             return False
-        self._take()
-        if not known <= self._announced.keys():
+        announced = self._announced_by(known)
+        if len(announced) < len(known):
             return False
-        announced = [self._announced[participant] for participant in known]
         # The middleware reads these messages for itself, earlier or later than they are read here.
         if _nodes(announced) - Counter(node.get_node_names_and_namespaces()):
             return False
@@ -168,14 +166,17 @@ class Discovery:
         node = self._node()
         if node is None or self._subscription is None:
             return list(listed)
-        self._take()
-        there = self._participants(node)
-        announced = [self._announced[participant] for participant in there if participant in self._announced]
+        announced = self._announced_by(self._participants(node))
         return list((Counter(listed) & _nodes(announced)).elements())
 
     def _participants(self, node: Node) -> set[bytes]:
         writers = node.get_publishers_info_by_topic(TOPIC, no_mangle=True)
         return {bytes(writer.endpoint_gid)[:PARTICIPANT_SIZE] for writer in writers}
+
+    def _announced_by(self, participants: set[bytes]) -> list[Entities]:
+        """What these participants have announced, those that have done so."""
+        self._take()
+        return [self._announced[participant] for participant in participants if participant in self._announced]
 
     def _take(self) -> None:
         with self._lock:

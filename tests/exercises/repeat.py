@@ -16,9 +16,8 @@ from course_kit.exercises import CHAPTERS
 from tests.domains import use_own_domain
 from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, judge
 
-BUSY = (
-    "import os\nparent = os.getppid()\nwhile os.getppid() == parent: pass"  # until this process ends, however it does
-)
+# Until this process ends, however it does.
+BUSY = "import os\nparent = os.getppid()\nwhile os.getppid() == parent: pass"
 
 
 def main() -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 from collections.abc import Iterator
 
@@ -43,12 +44,11 @@ def station(domain: int) -> Iterator[Station]:
 
 
 def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(domain: int, station: Station) -> None:
-    stage = Stage(domain)
-    with pytest.raises(NameError, match="ten") as raised:  # and not what its destroy_node() raises
-        stage.start(HalfMade, [], threads=False)
-    stage.start(Whole, [], threads=False)
-    del raised
-    gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
-    assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]
-    assert station.their_nodes() == ["/sayer"]
-    stage.close()
+    with contextlib.closing(Stage(domain)) as stage:
+        with pytest.raises(NameError, match="ten") as raised:  # and not what its destroy_node() raises
+            stage.start(HalfMade, [], threads=False)
+        stage.start(Whole, [], threads=False)
+        del raised
+        gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
+        assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]
+        assert station.their_nodes() == ["/sayer"]
