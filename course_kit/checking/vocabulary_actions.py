@@ -14,8 +14,8 @@ from rclpy.task import Future
 from course_kit.checking.examination import now
 from course_kit.checking.station import Heard
 from course_kit.checking.vocabulary import nearest, settle_timeout
+from course_kit.checking.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT, introduce
 
-CONNECT_TIMEOUT = 3.0
 WORDS = {
     GoalStatus.STATUS_UNKNOWN: "unknown",
     GoalStatus.STATUS_ACCEPTED: "accepted",
@@ -80,7 +80,7 @@ class Goal:
         """Wait for the result."""
         return now().wait(lambda: self.status is not None, timeout, "the result of the goal")
 
-    def cancel(self, timeout: float = 3.0) -> None:
+    def cancel(self, timeout: float = ANSWER_TIMEOUT) -> None:
         """Ask the server to cancel it, and wait for what it says to that."""
         done: list[Any] = []
         self.handle.cancel_goal_async().add_done_callback(done.append)
@@ -100,8 +100,9 @@ class Client:
         # Heard on its own: an ActionClient drops what comes after the result.
         self._heard = now().stage.listen(f"{name}/_action/feedback", action_type.Impl.FeedbackMessage)
         now().wait(lambda: self._heard.publisher_count, CONNECT_TIMEOUT, f"the feedback of {name}")
+        introduce(f"{name}/_action/get_result", action_type.Impl.GetResultService)  # of a goal that nobody sent
 
-    def send(self, timeout: float = 3.0, **fields: Any) -> Goal:
+    def send(self, timeout: float = ANSWER_TIMEOUT, **fields: Any) -> Goal:
         """Send a goal and wait until it is accepted or rejected."""
         goal = Goal(self._heard)
         done: list[Any] = []

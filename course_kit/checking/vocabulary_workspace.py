@@ -159,7 +159,7 @@ def expect_gone(node: str) -> None:
 def set_parameter(node: str, name: str, value: Any) -> tuple[bool, str]:
     """Set a parameter of a node, as `ros2 param set` does; whether it took it, and why not."""
     request = [Parameter(name, value=value).to_parameter_msg()]
-    response = Client(f"{node}/set_parameters", SetParameters).ask(5.0, parameters=request).response
+    response = Client(f"{node}/set_parameters", SetParameters).ask(parameters=request).response
     if response is None:
         return False, "no answer came: its callbacks block, or it is not spun"
     return bool(response.results[0].successful), str(response.results[0].reason)
@@ -167,7 +167,7 @@ def set_parameter(node: str, name: str, value: Any) -> tuple[bool, str]:
 
 def get_parameters(node: str, *names: str) -> list[Any]:
     """The values of parameters of a node; None for what it has not declared."""
-    response = Client(f"{node}/get_parameters", GetParameters).ask(5.0, names=list(names)).response
+    response = Client(f"{node}/get_parameters", GetParameters).ask(names=list(names)).response
     values = [parameter_value_to_python(value) for value in response.values] if response is not None else []
     return values if len(values) == len(names) else [None] * len(names)
 

@@ -40,8 +40,8 @@ def lamp() -> None:
     begins_off = read("is_on") is False
     said = []
     for number, data in enumerate((True, True, False, False), start=1):
-        said.append(client.ask(2.0, data=data).response)
-        expect(f"it answers request {number}", said[-1] is not None, no_answer("/lamp", 2.0))
+        said.append(client.ask(data=data).response)
+        expect(f"it answers request {number}", said[-1] is not None, no_answer("/lamp"))
     expect(
         "`success` tells whether the request changed the lamp",
         begins_off and [one.success for one in said] == [True, False, True, False],
@@ -129,16 +129,16 @@ def add_three_times() -> None:
     expect_node("/add_three_times")
     expect_service("/add_three_times", AddTwoInts)
     client = Client("/add_three_times", AddTwoInts)
-    first = client.ask(3.0, a=2, b=3).response
+    first = client.ask(a=2, b=3).response
     asked = len(server.requests)
     expect(
         "it answers",
         first is not None,
-        f"{no_answer('/add_three_times', 3.0)} A callback that waits for an answer is a deadlock: make it `async def`, "
+        f"{no_answer('/add_three_times')} A callback that waits for an answer is a deadlock: make it `async def`, "
         f"await call_async(), and give the client a callback group of its own.",
     )
     last = server.responses[-1].sum if server.responses else None
-    second = client.ask(3.0, a=-4, b=5).response
+    second = client.ask(a=-4, b=5).response
     sums = [first.sum, None if second is None else second.sum]
     expect(
         "2 + 3 gives 15, and -4 + 5 gives 3 afterwards",
@@ -175,8 +175,8 @@ def parallel_server() -> None:
     expect_node("/add_two_ints_server")
     expect_service("/add_two_ints", AddTwoInts)
     client = Client("/add_two_ints", AddTwoInts)
-    single = client.ask(3.0, a=1, b=2)
-    expect("it answers", single.response is not None, no_answer("/add_two_ints", 3.0))
+    single = client.ask(a=1, b=2)
+    expect("it answers", single.response is not None, no_answer("/add_two_ints"))
     requests = [{"a": number, "b": 10} for number in range(3)]
     answers, longest = [], 9.9
     for _ in range(3):  # a busy machine may be late once

@@ -203,8 +203,8 @@ def battery() -> None:
         points=1,
     )
     client = Client("/recharge", recharge_type)
-    refused = client.ask(3.0, percentage=120.0).response
-    accepted = client.ask(3.0, percentage=90.0).response
+    refused = client.ask(percentage=120.0).response
+    accepted = client.ask(percentage=90.0).response
     count = len(heard)
     wait(lambda: len(heard) > count + 1, 4.0, "the next messages on /battery")
     then = values(heard, "percentage")[-1:]

@@ -1,0 +1,75 @@
+"""The checker's clients: a server has found them before anything is asked that it must not miss."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+from course_kit.checking import vocabulary_services
+from course_kit.checking.domains import reserve_stage
+from course_kit.checking.examination import Examination, begin, now
+from course_kit.checking.stage import Stage
+from course_kit.checking.station import Station
+from course_kit.checking.vocabulary_services import Client, introduce
+from course_kit.exercises import find
+from tests.waiting import wait_until
+
+
+class DropsTheFirst(Node):
+    """Its answer to the first request gets nowhere."""
+
+    requests = 0
+
+    def __init__(self) -> None:
+        super().__init__("server")
+        self.create_service(Trigger, "known", self.on_request)
+
+    def on_request(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        DropsTheFirst.requests += 1
+        if DropsTheFirst.requests == 1:
+            raise RuntimeError("dropped")
+        return response
+
+
+class Lamp(Node):
+    def __init__(self, parameters: bool) -> None:
+        super().__init__("lamp", start_parameter_services=parameters)
+        self.create_service(SetBool, "lamp", lambda _, response: response)
+
+
+@pytest.fixture
+def stage() -> Iterator[Stage]:
+    domain = reserve_stage()
+    station, stage = Station(domain, only_here=True), Stage(domain)
+    exercise = replace(find("services-1"), timeout=30.0)
+    begin(Examination(exercise, station, station, {}, lambda order, timeout: {}))
+    yield stage
+    begin(None)
+    stage.close()
+    station.close()
+
+
+def served(station: Station, name: str) -> bool:
+    return any(name in one.service_servers for one in station.offered())
+
+
+def test_a_server_is_asked_until_it_answers(stage: Stage) -> None:
+    stage.start(DropsTheFirst, [], threads=False)
+    introduce("/known", Trigger)
+    assert DropsTheFirst.requests == 2
+
+
+def test_a_server_that_never_answers_is_given_up(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(vocabulary_services, "CONNECT_TIMEOUT", 1.0)
+    introduce("/nobody", Trigger)
+
+
+@pytest.mark.parametrize("parameters", [True, False])
+def test_a_node_with_or_without_parameter_services_answers_the_first_request(stage: Stage, parameters: bool) -> None:
+    stage.start(Lamp, [parameters], threads=False)
+    wait_until(lambda: served(now().stage, "/lamp"))
+    assert Client("/lamp", SetBool).ask(data=True).response is not None
