@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
-from dataclasses import replace
 
 import pytest
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit.checking import vocabulary_services
-from course_kit.checking.domains import reserve_stage
-from course_kit.checking.examination import Examination, begin, now
+from course_kit.checking.examination import Examination
 from course_kit.checking.stage import Stage
 from course_kit.checking.station import Station
 from course_kit.checking.vocabulary_services import Client, introduce
-from course_kit.exercises import find
 from tests.waiting import wait_until
 
 
@@ -42,15 +40,9 @@ class Lamp(Node):
 
 
 @pytest.fixture
-def stage() -> Iterator[Stage]:
-    domain = reserve_stage()
-    station, stage = Station(domain, only_here=True), Stage(domain)
-    exercise = replace(find("services-1"), timeout=30.0)
-    begin(Examination(exercise, station, station, {}, lambda order, timeout: {}))
-    yield stage
-    begin(None)
-    stage.close()
-    station.close()
+def stage(examination: Examination) -> Iterator[Stage]:
+    with contextlib.closing(Stage(examination.stage.domain)) as stage:
+        yield stage
 
 
 def served(station: Station, name: str) -> bool:
@@ -69,7 +61,9 @@ def test_a_server_that_never_answers_is_given_up(stage: Stage, monkeypatch: pyte
 
 
 @pytest.mark.parametrize("parameters", [True, False])
-def test_a_node_with_or_without_parameter_services_answers_the_first_request(stage: Stage, parameters: bool) -> None:
+def test_a_node_with_or_without_parameter_services_answers_the_first_request(
+    stage: Stage, examination: Examination, parameters: bool
+) -> None:
     stage.start(Lamp, [parameters], threads=False)
-    wait_until(lambda: served(now().stage, "/lamp"))
+    wait_until(lambda: served(examination.stage, "/lamp"))
     assert Client("/lamp", SetBool).ask(data=True).response is not None

@@ -1,0 +1,26 @@
+"""What tests of the checks' vocabulary share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import pytest
+
+from course_kit.checking.domains import reserve_stage
+from course_kit.checking.examination import Examination, begin
+from course_kit.checking.station import Station
+from course_kit.exercises import find
+
+
+@pytest.fixture
+def examination() -> Iterator[Examination]:
+    """One that runs, on a stage of its own and without a notebook: what the vocabulary says is noted in it."""
+    station = Station(reserve_stage(), only_here=True)
+    made = Examination(
+        replace(find("services-1"), node_class=None, timeout=60.0), station, station, {}, lambda order, timeout: {}
+    )
+    begin(made)
+    yield made
+    begin(None)
+    station.close()
