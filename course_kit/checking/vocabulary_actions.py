@@ -12,9 +12,10 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from course_kit.checking.examination import now
+from course_kit.checking.introduction import meet
 from course_kit.checking.station import Heard
 from course_kit.checking.vocabulary import nearest, settle_timeout
-from course_kit.checking.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT, introduce
+from course_kit.checking.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT
 
 WORDS = {
     GoalStatus.STATUS_UNKNOWN: "unknown",
@@ -100,7 +101,7 @@ class Client:
         # Heard on its own: an ActionClient drops what comes after the result.
         self._heard = now().stage.listen(f"{name}/_action/feedback", action_type.Impl.FeedbackMessage)
         now().wait(lambda: self._heard.publisher_count, CONNECT_TIMEOUT, f"the feedback of {name}")
-        introduce(f"{name}/_action/get_result", action_type.Impl.GetResultService)  # of a goal that nobody sent
+        meet(now().stage, name)
 
     def send(self, timeout: float = ANSWER_TIMEOUT, **fields: Any) -> Goal:
         """Send a goal and wait until it is accepted or rejected."""

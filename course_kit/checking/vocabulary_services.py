@@ -6,18 +6,17 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import chain
 from typing import Any
 
-from rcl_interfaces.srv import GetParameterTypes
 from rclpy.node import Node
 
 from course_kit.checking.examination import now
+from course_kit.checking.introduction import meet
+from course_kit.checking.station import Station
 from course_kit.checking.vocabulary import nearest, settle_timeout
 
 CONNECT_TIMEOUT = 5.0
 ANSWER_TIMEOUT = 5.0  # seconds; what is lost on a busy machine is sent again within 3
-INTRODUCTION_PERIOD = 0.5  # seconds from one request to the next while no answer comes
 
 
 def _services() -> dict[str, list[str]]:
@@ -50,20 +49,6 @@ def expect_service(name: str, service_type: Any) -> None:
     now().settle(f"`{name}` has the type `{wanted}`", there[name] == [wanted], hint)
 
 
-def introduce(service: str, service_type: Any) -> None:
-    """Ask a harmless service of a node until it answers: then the node knows the clients that were made before.
-
-    A server that has not found the client drops its answer, and the client cannot see that it has not been found. What
-    a process makes is announced in order, so what this client receives, those before it do too.
-    """
-    client = now().stage.hand.create_client(service_type, service)
-    answers: list[Any] = []
-    deadline = time.monotonic() + CONNECT_TIMEOUT
-    while not answers and time.monotonic() < deadline:
-        client.call_async(service_type.Request()).add_done_callback(answers.append)
-        now().wait(lambda: answers, INTRODUCTION_PERIOD, f"an answer of {service}")
-
-
 @dataclass
 class Answer:
     """What came back from a call; `response` is None if nothing did."""
@@ -73,15 +58,14 @@ class Answer:
 
 
 class Client:
-    """A client of the checker's on the stage."""
+    """A client of the checker's, on the stage if not told otherwise."""
 
-    def __init__(self, name: str, service_type: Any) -> None:
+    def __init__(self, name: str, service_type: Any, station: Station | None = None) -> None:
         self._name, self._type = name, service_type
-        self._client = now().stage.hand.create_client(service_type, name)
+        station = station or now().stage
+        self._client = station.hand.create_client(service_type, name)
         now().wait(self._client.service_is_ready, CONNECT_TIMEOUT, f"the service {name}")
-        beside = [one.service_servers for one in now().stage.offered() if name in one.service_servers]
-        for node_service in [each for each in chain(*beside) if each.endswith("/get_parameter_types")]:
-            introduce(node_service, GetParameterTypes)
+        meet(station, name)
 
     def ask(self, timeout: float = ANSWER_TIMEOUT, **request: Any) -> Answer:
         """Call, and wait for the response."""

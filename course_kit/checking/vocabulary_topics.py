@@ -10,6 +10,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from course_kit.checking.examination import now
+from course_kit.checking.introduction import meet
 from course_kit.checking.station import Heard
 from course_kit.checking.vocabulary import nearest, pause, settle_timeout
 from course_kit.recordings.measure import measure
@@ -95,7 +96,9 @@ def publish_steadily(to: Publisher, messages: Sequence[Any], period: float) -> N
 
 def listen(topic: str, message_type: Any) -> Heard:
     """Hear a topic of the stage from now on, until the check ends."""
-    return now().stage.listen(topic, message_type)
+    heard = now().stage.listen(topic, message_type)
+    meet(now().stage)
+    return heard
 
 
 def wait_until_quiet(heard: Heard, quiet: float, timeout: float, at_most: int = 1_000_000) -> None:

@@ -9,11 +9,12 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
-from course_kit.checking import vocabulary_services
+from course_kit.checking import introduction
 from course_kit.checking.examination import Examination
+from course_kit.checking.introduction import introduce
 from course_kit.checking.stage import Stage
 from course_kit.checking.station import Station
-from course_kit.checking.vocabulary_services import Client, introduce
+from course_kit.checking.vocabulary_services import Client
 from tests.waiting import wait_until
 
 
@@ -49,15 +50,15 @@ def served(station: Station, name: str) -> bool:
     return any(name in one.service_servers for one in station.offered())
 
 
-def test_a_server_is_asked_until_it_answers(stage: Stage) -> None:
+def test_a_server_is_asked_until_it_answers(stage: Stage, examination: Examination) -> None:
     stage.start(DropsTheFirst, [], threads=False)
-    introduce("/known", Trigger)
+    introduce(examination.stage, "/known", Trigger)
     assert DropsTheFirst.requests == 2
 
 
-def test_a_server_that_never_answers_is_given_up(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(vocabulary_services, "CONNECT_TIMEOUT", 1.0)
-    introduce("/nobody", Trigger)
+def test_a_server_that_never_answers_is_given_up(examination: Examination, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(introduction, "MEET_TIMEOUT", 1.0)
+    introduce(examination.stage, "/nobody", Trigger)
 
 
 @pytest.mark.parametrize("parameters", [True, False])
