@@ -37,6 +37,7 @@ from course_kit.faults.vocabulary import expect_well
 
 DEBUG, INFO = 10, 20
 FEW = 5  # poses, fewer than any queue holds
+MANY = 30  # lines, more than a throttle lets through, and what a busy machine still brings in 4 s
 SEEDS = (9, 31, 17)
 DRIVEN = ("/turtle1/cmd_vel", "/turtle1/pose")
 SCANS, POSES = "/scan", "/turtle1/pose"
@@ -101,14 +102,14 @@ def not_so_loud() -> None:
     is_set = expect("its level can be set from outside", _set_level(DEBUG), _why_not_set(), points=1)
     try:
         began = time.time_ns()
-        wait(lambda: len(_details_since(began)) >= 60, 4.0)
+        wait(lambda: len(_details_since(began)) >= MANY, 4.0)
         details = _details_since(began)
     finally:
         if is_set:
             _set_level(INFO)
     expect(
         "at the level DEBUG it logs every pose",
-        len(details) >= 60,
+        len(details) >= MANY,
         f"In 4 s, with about 250 poses, it logged {len(details)} lines as DEBUG{_such_as(details)}: `debug(…)` for "
         f"each pose, without a throttle.",
         points=1,
