@@ -37,10 +37,12 @@ class Heard:
         self._type = message_type
         self._kept: list[tuple[int, int, bytes]] = []
         self._lock = threading.Lock()
+        self.received = 0  # messages in all, also those no longer kept
         self.subscription: RawSubscription | None = None
 
     def receive(self, serialised: bytes, info: dict[str, Any]) -> None:
         with self._lock:
+            self.received += 1
             if len(self._kept) >= KEPT:
                 del self._kept[: KEPT // 10]
             self._kept.append((info["received_timestamp"], info["publication_sequence_number"], serialised))

@@ -83,10 +83,10 @@ def not_so_loud() -> None:
     """It logs INFO once a second at most, and each pose when it is asked for DEBUG."""
     expect_running_node("/quiet", "Quiet")
     poses = now().watched[POSES]
-    before = len(poses)
+    before = poses.received
     expect(
         "a turtle runs beside it",
-        wait(lambda: len(poses) >= before + 10, 3.0),
+        wait(lambda: poses.received >= before + 10, 5.0),
         "No pose came on `/turtle1/pose`: `run(TurtleSim)`, and leave it running.",
     )
     began = time.time_ns()

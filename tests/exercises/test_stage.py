@@ -12,7 +12,7 @@ from std_msgs.msg import String
 
 from course_kit.checking.domains import reserve_stage
 from course_kit.checking.stage import Stage
-from course_kit.checking.station import Station
+from course_kit.checking.station import KEPT, Heard, Station
 from tests.waiting import wait_until
 
 
@@ -52,3 +52,11 @@ def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(domain: int,
         gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
         assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]
         assert station.their_nodes() == ["/sayer"]
+
+
+def test_what_was_heard_is_counted_also_when_it_is_no_longer_kept() -> None:
+    heard = Heard(String)
+    for number in range(KEPT + 5):
+        heard.receive(b"", {"received_timestamp": number, "publication_sequence_number": number})
+    assert heard.received == KEPT + 5
+    assert len(heard) <= KEPT
