@@ -13,10 +13,16 @@ from course_kit.checking.station import Station
 from course_kit.exercises import find
 
 
+@pytest.fixture(scope="session")
+def stage_domain() -> int:
+    """A stage for the tests of this process: there are few of them, and one is kept until its process ends."""
+    return reserve_stage()
+
+
 @pytest.fixture
-def examination() -> Iterator[Examination]:
-    """One that runs, on a stage of its own and without a notebook: what the vocabulary says is noted in it."""
-    station = Station(reserve_stage(), only_here=True)
+def examination(stage_domain: int) -> Iterator[Examination]:
+    """One that runs, on the stage and without a notebook: what the vocabulary says is noted in it."""
+    station = Station(stage_domain, only_here=True)
     made = Examination(
         replace(find("services-1"), node_class=None, timeout=60.0), station, station, {}, lambda order, timeout: {}
     )

@@ -51,6 +51,7 @@ def served(station: Station, name: str) -> bool:
 
 
 def test_a_server_is_asked_until_it_answers(stage: Stage, examination: Examination) -> None:
+    DropsTheFirst.requests = 0
     stage.start(DropsTheFirst, [], threads=False)
     introduce(examination.stage, "/known", Trigger)
     assert DropsTheFirst.requests == 2

@@ -10,7 +10,6 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.checking.domains import reserve_stage
 from course_kit.checking.stage import Stage
 from course_kit.checking.station import KEPT, Heard, Station
 from tests.waiting import wait_until
@@ -32,19 +31,14 @@ class HalfMade(Whole):
 
 
 @pytest.fixture
-def domain() -> int:
-    return reserve_stage()
-
-
-@pytest.fixture
-def station(domain: int) -> Iterator[Station]:
-    station = Station(domain, only_here=True)
+def station(stage_domain: int) -> Iterator[Station]:
+    station = Station(stage_domain, only_here=True)
     yield station
     station.close()
 
 
-def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(domain: int, station: Station) -> None:
-    with contextlib.closing(Stage(domain)) as stage:
+def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(stage_domain: int, station: Station) -> None:
+    with contextlib.closing(Stage(stage_domain)) as stage:
         with pytest.raises(NameError, match="ten") as raised:  # and not what its destroy_node() raises
             stage.start(HalfMade, [], threads=False)
         stage.start(Whole, [], threads=False)
