@@ -32,11 +32,12 @@ def meet(station: Station, offering: str = "") -> None:
         introduce(station, service, GetParameterTypes)
 
 
-def introduce(station: Station, service: str, service_type: Any) -> None:
-    """Ask a harmless service until it answers, or MEET_TIMEOUT is over."""
+def introduce(station: Station, service: str, service_type: Any) -> bool:
+    """Ask a harmless service until it answers, or MEET_TIMEOUT is over; whether it answered."""
     client = station.hand.create_client(service_type, service)
     answers: list[Any] = []
     deadline = time.monotonic() + MEET_TIMEOUT
     while not answers and time.monotonic() < deadline:
         client.call_async(service_type.Request()).add_done_callback(answers.append)
         now().wait(lambda: answers, PERIOD, f"an answer of {service}")
+    return bool(answers)

@@ -81,11 +81,11 @@ class Goal:
         """Wait for the result."""
         return now().wait(lambda: self.status is not None, timeout, "the result of the goal")
 
-    def cancel(self, timeout: float = ANSWER_TIMEOUT) -> None:
+    def cancel(self) -> None:
         """Ask the server to cancel it, and wait for what it says to that."""
         done: list[Any] = []
         self.handle.cancel_goal_async().add_done_callback(done.append)
-        now().wait(lambda: done, timeout, "the answer to a request to cancel")
+        now().wait(lambda: done, ANSWER_TIMEOUT, "the answer to a request to cancel")
         self.cancelling = bool(done and done[0].result().goals_canceling)
 
 
@@ -103,13 +103,13 @@ class Client:
         now().wait(lambda: self._heard.publisher_count, CONNECT_TIMEOUT, f"the feedback of {name}")
         meet(now().stage, name)
 
-    def send(self, timeout: float = ANSWER_TIMEOUT, **fields: Any) -> Goal:
+    def send(self, **fields: Any) -> Goal:
         """Send a goal and wait until it is accepted or rejected."""
         goal = Goal(self._heard)
         done: list[Any] = []
         message = self._type.Goal(**fields)
         self._client.send_goal_async(message).add_done_callback(done.append)
-        if now().wait(lambda: done, timeout, "the answer to a goal"):
+        if now().wait(lambda: done, ANSWER_TIMEOUT, "the answer to a goal"):
             goal.handle = done[0].result()
             goal.accepted = bool(goal.handle.accepted)
             if goal.accepted:

@@ -72,7 +72,9 @@ class Client:
         return self.ask_all(timeout, [request])[0]
 
     def ask_all(self, timeout: float, requests: list[dict[str, Any]]) -> list[Answer]:
-        """Send several requests at once, and wait for all responses."""
+        """Send several requests at once, and wait for all responses; without a server there are none."""
+        if not self._client.service_is_ready():
+            return [Answer(None, timeout) for _ in requests]
         began = time.monotonic()
         done: dict[int, float] = {}
         futures = []

@@ -6,7 +6,6 @@ with the check.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import re
 import time
@@ -147,12 +146,13 @@ def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     def missing() -> list[str]:
         return [name for name in names if name not in station.their_nodes()]
 
-    what, latest = f"the nodes of `{process.name}`", time.monotonic() + LONGEST_START
-    timeout = START_TIMEOUT
-    while not now().wait(lambda: not missing() or not process.is_running, timeout, what):
-        if time.monotonic() > latest or not _still_begins(process):
-            break
-        timeout = 1.0
+    def is_decided() -> bool:
+        return not missing() or not process.is_running
+
+    latest = time.monotonic() + LONGEST_START
+    now().wait(is_decided, START_TIMEOUT, f"the nodes of `{process.name}`")
+    while not is_decided() and time.monotonic() < latest and _still_begins(process):
+        pass  # it was looked at for a second
     station.known(3.0)
     left, there = missing(), station.their_nodes()
     hint = f"There is no {', '.join(left)}, there is {', '.join(there) or 'no node at all'}. {said(process)}"
@@ -165,14 +165,23 @@ def _still_begins(process: Process) -> bool:
 
     On a machine with enough to do for other processes, loading takes long.
     """
+    try:
+        root = psutil.Process(process.pid)
+        tree = [root, *root.children(recursive=True)]
+    except psutil.Error:  # it has ended
+        return False
     looks = 0
     for _ in range(LOOKS):
-        with contextlib.suppress(psutil.Error):
-            root = psutil.Process(process.pid)
-            tree = [root, *root.children(recursive=True)]
-            looks += any(one.status() == psutil.STATUS_RUNNING for one in tree)
+        looks += any(_wants_to_run(one) for one in tree)
         pause(0.05)
     return looks > LOOKS / 2
+
+
+def _wants_to_run(program: psutil.Process) -> bool:
+    try:
+        return bool(program.status() == psutil.STATUS_RUNNING)
+    except psutil.Error:  # it has ended
+        return False
 
 
 def expect_gone(node: str) -> None:

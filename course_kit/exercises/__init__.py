@@ -25,7 +25,7 @@ MODULES = {
     "setup": ("setup_checks",),
     "workspace": ("workspace", "workspace_patrol"),
     "actions": ("actions", "actions_star"),
-    "debugging": ("debugging", "debugging_monitor"),
+    "debugging": ("debugging", "debugging_mileage", "debugging_monitor"),
 }
 LEVELS = ("warm-up", "medium", "harder", "project")
 

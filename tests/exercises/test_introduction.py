@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
+from rcl_interfaces.srv import GetParameterTypes
 from rclpy.node import Node
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit.checking import introduction
 from course_kit.checking.examination import Examination
-from course_kit.checking.introduction import introduce
+from course_kit.checking.introduction import introduce, meet
 from course_kit.checking.stage import Stage
 from course_kit.checking.station import Station
 from course_kit.checking.vocabulary_services import Client
+from course_kit.checking.vocabulary_topics import listen
 from tests.waiting import wait_until
 
 
@@ -40,6 +44,21 @@ class Lamp(Node):
         self.create_service(SetBool, "lamp", lambda _, response: response)
 
 
+class CountsItsMeetings(Node):
+    """It answers itself what every node is asked by those who want to be known to it."""
+
+    meetings = 0
+
+    def __init__(self) -> None:
+        super().__init__("lamp", start_parameter_services=False)
+        self.create_service(SetBool, "lamp", lambda _, response: response)
+        self.create_service(GetParameterTypes, "lamp/get_parameter_types", self.on_meeting)
+
+    def on_meeting(self, _: GetParameterTypes.Request, response: GetParameterTypes.Response) -> Any:
+        CountsItsMeetings.meetings += 1
+        return response
+
+
 @pytest.fixture
 def stage(examination: Examination) -> Iterator[Stage]:
     with contextlib.closing(Stage(examination.stage.domain)) as stage:
@@ -53,13 +72,13 @@ def served(station: Station, name: str) -> bool:
 def test_a_server_is_asked_until_it_answers(stage: Stage, examination: Examination) -> None:
     DropsTheFirst.requests = 0
     stage.start(DropsTheFirst, [], threads=False)
-    introduce(examination.stage, "/known", Trigger)
+    assert introduce(examination.stage, "/known", Trigger)
     assert DropsTheFirst.requests == 2
 
 
 def test_a_server_that_never_answers_is_given_up(examination: Examination, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(introduction, "MEET_TIMEOUT", 1.0)
-    introduce(examination.stage, "/nobody", Trigger)
+    assert not introduce(examination.stage, "/nobody", Trigger)
 
 
 @pytest.mark.parametrize("parameters", [True, False])
@@ -69,3 +88,16 @@ def test_a_node_with_or_without_parameter_services_answers_the_first_request(
     stage.start(Lamp, [parameters], threads=False)
     wait_until(lambda: served(examination.stage, "/lamp"))
     assert Client("/lamp", SetBool).ask(data=True).response is not None
+
+
+def test_a_node_has_met_the_checker_before_it_is_asked_or_heard(stage: Stage, examination: Examination) -> None:
+    CountsItsMeetings.meetings = 0
+    stage.start(CountsItsMeetings, [], threads=False)
+    wait_until(lambda: served(examination.stage, "/lamp/get_parameter_types"))
+    meet(examination.stage, "/another")
+    assert CountsItsMeetings.meetings == 0
+    Client("/lamp", SetBool)
+    before = CountsItsMeetings.meetings  # once, or more often where it was slow to answer
+    assert before >= 1
+    listen("/words", String)
+    assert CountsItsMeetings.meetings > before
