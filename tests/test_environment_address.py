@@ -4,25 +4,56 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import threading
 import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
 
 from course_kit.environment.address import address
 
-SERVER = {"url": "http://127.0.0.1:8889/", "token": "0123abcd"}
+
+@pytest.fixture
+def bound() -> Iterator[socket.socket]:
+    """A socket of this process, which stands for the server; nothing listens at it yet."""
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        yield server
 
 
-def test_the_address_of_a_running_server_has_its_token(tmp_path):
-    (tmp_path / f"jpserver-{os.getpid()}.json").write_text(json.dumps(SERVER))
-    assert address(os.getpid(), tmp_path) == "http://127.0.0.1:8889/lab?token=0123abcd"
+def announce(server: socket.socket, folder: Path) -> str:
+    """Write what a JupyterLab of this process writes; returns the address that is wanted."""
+    port = server.getsockname()[1]
+    announcement = {"url": f"http://127.0.0.1:{port}/", "port": port, "token": "0123abcd"}
+    (folder / f"jpserver-{os.getpid()}.json").write_text(json.dumps(announcement))
+    return f"http://127.0.0.1:{port}/lab?token=0123abcd"
 
 
-def test_it_waits_until_the_server_has_announced_itself(tmp_path):
-    announcement = tmp_path / f"jpserver-{os.getpid()}.json"
-    announcement.write_text("")  # opened, nothing in it yet
-    threading.Timer(0.3, announcement.write_text, [json.dumps(SERVER)]).start()
-    assert address(os.getpid(), tmp_path, timeout=10) == "http://127.0.0.1:8889/lab?token=0123abcd"
+def test_the_address_of_a_running_server_has_its_token(tmp_path, bound):
+    bound.listen()
+    assert address(os.getpid(), tmp_path, timeout=0.05) is None
+    wanted = announce(bound, tmp_path)
+    assert address(os.getpid(), tmp_path) == wanted
+
+
+def test_it_waits_until_the_server_has_announced_itself(tmp_path, bound):
+    bound.listen()
+    (tmp_path / f"jpserver-{os.getpid()}.json").write_text("")  # opened, nothing in it yet
+    threading.Timer(0.3, announce, [bound, tmp_path]).start()
+    found = address(os.getpid(), tmp_path, timeout=10)
+    assert found == announce(bound, tmp_path)
+
+
+def test_a_server_that_has_announced_itself_and_does_not_listen_yet_is_waited_for(tmp_path, bound):
+    """JupyterLab writes first and listens then; who opened the address in between was refused."""
+    wanted = announce(bound, tmp_path)
+    assert address(os.getpid(), tmp_path, timeout=0.2) is None
+    threading.Timer(0.3, bound.listen).start()
+    assert address(os.getpid(), tmp_path, timeout=10) == wanted
+    socket.create_connection(bound.getsockname(), timeout=1).close()
 
 
 def test_a_server_that_ends_without_announcing_itself_is_not_waited_for(tmp_path):

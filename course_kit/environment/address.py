@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import psutil  # type: ignore[import-untyped]
 from jupyter_core.paths import jupyter_runtime_dir
 
 from course_kit.environment.notebook import has_browser
@@ -30,10 +31,11 @@ def address(process: int, folder: Path, timeout: float = TIMEOUT) -> str | None:
         try:
             server = json.loads(announcement.read_text())
         except (OSError, ValueError):  # not written yet, or half of it
-            time.sleep(PAUSE)
-            continue
-        token = f"?token={server['token']}" if server["token"] else ""
-        return f"{server['url']}lab{token}"
+            server = None
+        if server and _listens(process, server["port"]):  # JupyterLab announces itself a moment before
+            token = f"?token={server['token']}" if server["token"] else ""
+            return f"{server['url']}lab{token}"
+        time.sleep(PAUSE)
     return None
 
 
@@ -43,6 +45,14 @@ def _runs(process: int) -> bool:
     except OSError:
         return False
     return True
+
+
+def _listens(process: int, port: int) -> bool:
+    try:
+        connections = psutil.Process(process).net_connections("tcp")
+    except psutil.Error:  # it has ended
+        return False
+    return any(each.status == psutil.CONN_LISTEN and each.laddr.port == port for each in connections)
 
 
 if __name__ == "__main__":
