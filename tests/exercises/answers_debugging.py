@@ -202,6 +202,7 @@ ANSWERS = [
                 2,
                 "also for the first one",
             ),
+            Wrong("no_before", changed(MILEAGE, (" if self.before else 0.0", "")), 0, "61 poses there were 0 messages"),
         ],
     ),
     Answers(
