@@ -11,13 +11,13 @@ from typing import Any
 
 # Where each public name comes from.
 EXPORTS = {
-    "run": "background",
-    "running": "background",
-    "stop": "background",
-    "nodes": "background",
+    "run": "background.running",
+    "running": "background.running",
+    "stop": "background.running",
+    "nodes": "background.running",
     "start": "programs.processes",
     "Workspace": "colcon.workspaces",
-    "wait_for": "waiting",
+    "wait_for": "background.waiting",
     "logs": "node_logs.rosout",
     "record": "recordings.recording",
     "rates": "recordings.meters",
@@ -28,19 +28,19 @@ EXPORTS = {
     "show_graph": "live.graph",
     "watch_rates": "live.rates",
     "log_rates": "node_logs.rosout",
-    "record_resources": "programs.resources",
-    "plot_resources": "programs.resource_plots",
+    "record_resources": "resources.resource_recording",
+    "plot_resources": "resources.resource_plots",
     "watch_resources": "live.resources",
-    "node_processes": "programs.processes_with_nodes",
-    "log_level": "node_logs.log_levels",
-    "set_log_level": "node_logs.log_levels",
+    "node_processes": "resources.processes_with_nodes",
+    "log_level": "background.log_levels",
+    "set_log_level": "background.log_levels",
     "watch_logs": "live.logs",
     "log_files": "node_logs.log_directory",
-    "values": "recordings.value_series",
-    "save_csv": "recordings.value_series",
-    "plot_values": "recordings.value_plots",
+    "values": "series.value_series",
+    "save_csv": "series.value_series",
+    "plot_values": "series.value_plots",
     "watch_values": "live.values",
-    "plot_scene": "scene_plots",
+    "plot_scene": "scene.scene_plots",
     "replay": "replays.replaying",
     "compare": "replays.replayed",
     "plot_comparison": "replays.replay_plots",
@@ -52,7 +52,7 @@ __all__ = sorted(EXPORTS)
 def __getattr__(name: str) -> Any:
     if name not in EXPORTS:
         raise AttributeError(f"module 'course_kit' has no attribute {name!r}")
-    importlib.import_module("course_kit.guards").install()
+    importlib.import_module("course_kit.background.guards").install()
     if in_kernel():
         for console in ("console", "process_console"):
             importlib.import_module(f"course_kit.live.{console}").attach()

@@ -35,7 +35,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture(scope="module")
 def fresh_domain() -> Iterator[None]:
     """A domain in which no earlier test of this process has left a node, for tests that look at the whole graph."""
-    from course_kit import context
+    from course_kit.spinning import context
 
     context.stop()
     with own_domain():

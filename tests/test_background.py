@@ -19,8 +19,8 @@ from rclpy.signals import SignalHandlerOptions, get_current_signal_handlers_opti
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from course_kit import errors, logs, nodes, run, running, stop, wait_for
-from course_kit.spinning import BlockingWait, NodeAlreadyRuns
+from course_kit import logs, nodes, run, running, stop, wait_for
+from course_kit.spinning import BlockingWait, NodeAlreadyRuns, errors
 
 
 class Talker(Node):

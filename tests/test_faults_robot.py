@@ -17,13 +17,14 @@ from itertools import groupby
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from course_kit import context, faults, start
-from course_kit.checking.examination import Ended, Examination, begin, now
-from course_kit.checking.station import Station
+from course_kit import faults, start
+from course_kit.examining.examination import Ended, Examination, begin, now
+from course_kit.examining.station import Station
 from course_kit.exercises import find
 from course_kit.faults import all_faults, health, lab
 from course_kit.faults.vocabulary import expect_well
 from course_kit.ros2 import command
+from course_kit.spinning import context
 from tests.kernel import Kernel
 from tests.ros2_command import ros2
 from tests.ros2_launches import none_left

@@ -14,12 +14,12 @@ from rclpy.task import Future
 from std_msgs.msg import String
 from unique_identifier_msgs.msg import UUID
 
-from course_kit import context
-from course_kit.background import run, stop
+from course_kit.background.running import run, stop
+from course_kit.background.waiting import wait_for
 from course_kit.calls.goal_plots import plot_conversation, plot_goal_states, plot_goals
 from course_kit.calls.goals import goals_of
 from course_kit.recordings.recording import Recording, record
-from course_kit.waiting import wait_for
+from course_kit.spinning import context
 
 STATUS, FEEDBACK = "/counting/_action/status", "/counting/_action/feedback"
 

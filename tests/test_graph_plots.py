@@ -17,11 +17,12 @@ import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit import context, instruments
 from course_kit.live.graph import GraphView, show_graph
 from course_kit.ros_graph.graph_data import Channel, Endpoint, Qos, Snapshot
 from course_kit.ros_graph.graph_plots import look, observer, plot_graph
 from course_kit.ros_graph.matching import explanations
+from course_kit.spinning import context
+from course_kit.watching import instruments
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 

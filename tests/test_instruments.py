@@ -16,8 +16,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Int32, String
 
-from course_kit import context, errors, instruments
-from course_kit.ros_graph import topics
+from course_kit.spinning import context, errors
+from course_kit.watching import instruments, topics
 from tests.senders import Sender
 from tests.waiting import wait_until
 
@@ -155,7 +155,7 @@ def test_a_latched_message_from_before_is_received() -> None:
 
 
 def test_a_student_callback_that_blocks_does_not_stall_the_instruments(talker: Node) -> None:
-    from course_kit import background
+    from course_kit.background import running
 
     release = threading.Event()
 
@@ -169,7 +169,7 @@ def test_a_student_callback_that_blocks_does_not_stall_the_instruments(talker: N
             self.busy = True
             release.wait(20)
 
-    student = background.run(Blocking)
+    student = running.run(Blocking)
     listener = Listener()
     publisher = talker.create_publisher(String, "/chatter", 100)
     subscription = instruments.subscribe("/chatter", listener)
@@ -177,7 +177,7 @@ def test_a_student_callback_that_blocks_does_not_stall_the_instruments(talker: N
     publish(publisher, *["x"] * 100)
     wait_until(lambda: student.busy and len(listener.texts) == 100)
     release.set()
-    background.stop(student)
+    running.stop(student)
     subscription.close()
 
 

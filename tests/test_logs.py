@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from course_kit import background, context
+from course_kit.background import running
+from course_kit.background.log_levels import log_level, set_log_level
 from course_kit.node_logs import rosout
 from course_kit.node_logs.log_directory import log_files, log_folder, parse
-from course_kit.node_logs.log_levels import log_level, set_log_level
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
+from course_kit.spinning import context
 from tests.waiting import wait_until
 
 PROGRAM = [sys.executable, str(Path(__file__).with_name("plain_node.py"))]
@@ -39,7 +40,7 @@ def robot(folder: Path) -> Iterator[tuple[Process, Process]]:
     yield both[0], both[1]
     for process in both:
         process.stop()
-    background.stop()
+    running.stop()
     context.stop()
 
 
@@ -79,7 +80,7 @@ def test_the_level_of_a_node_in_another_process_is_read_and_changed(robot: objec
 
 
 def test_the_level_of_a_node_in_this_process_too(robot: object) -> None:
-    node = background.run(Node, "mine")
+    node = running.run(Node, "mine")
     for level in ("DEBUG", "ERROR", "INFO"):
         set_log_level(node, level)
         assert log_level("mine") == log_level(node) == level

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator
 import pytest
 from rclpy.node import Node
 
-from course_kit import context
-from course_kit.checking.node_log import NodeLog
-from course_kit.checking.station import Station
+from course_kit.examining.node_log import NodeLog
+from course_kit.examining.station import Station
+from course_kit.spinning import context
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")

@@ -20,12 +20,12 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import context
 from course_kit.figures import COLOURS, INK, PANEL, PAPER
 from course_kit.recordings import tracks
 from course_kit.recordings.meters import measure_rates
 from course_kit.recordings.plots import plot_pose, plot_rates
 from course_kit.recordings.recording import Recording, record
+from course_kit.spinning import context
 from tests.kernel import Kernel
 from tests.senders import Sender
 from tests.waiting import wait_until

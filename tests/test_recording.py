@@ -19,11 +19,13 @@ from sensor_msgs.msg import Image, LaserScan
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import background, context, instruments
+from course_kit.background import running
 from course_kit.recordings import fields
 from course_kit.recordings.buffers import MessageBuffer
 from course_kit.recordings.recording import Recording, RecordingTimeout, record
 from course_kit.recordings.topic_recording import TopicRecording
+from course_kit.spinning import context
+from course_kit.watching import instruments
 from tests.senders import DIGITS, PLACES, Sender
 from tests.waiting import wait_until
 
@@ -59,7 +61,7 @@ def test_every_message_of_another_process_is_held_in_order_while_a_students_call
             super().__init__("sleeper")
             self.create_timer(0.01, lambda: time.sleep(0.3))
 
-    sleeper = background.run(Sleeper)
+    sleeper = running.run(Sleeper)
     count = 6000
     with Sender("/fast", kind, rate=3000, count=count) as sender, record("/fast") as recording:
         sender.go()
@@ -67,7 +69,7 @@ def test_every_message_of_another_process_is_held_in_order_while_a_students_call
         wait_until(lambda: len(recording) == sent["sent"])
     assert numbers(recording["/fast"], kind) == list(range(count))
     assert (recording.dropped, recording.lost) == (0, 0)
-    background.stop(sleeper)
+    running.stop(sleeper)
 
 
 def test_receive_times_are_those_of_arrival_also_when_python_was_busy() -> None:

@@ -19,13 +19,15 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import background, bags, context
+from course_kit import bags
+from course_kit.background import running
 from course_kit.bags.writer import BagWriter
 from course_kit.recordings.recording import record
-from course_kit.recordings.value_series import values
 from course_kit.replays.replay_plots import plot_comparison
 from course_kit.replays.replayed import Replayed, compare
 from course_kit.replays.replaying import replay
+from course_kit.series.value_series import values
+from course_kit.spinning import context
 from tests.waiting import wait_until
 
 SECOND = 10**9
@@ -166,15 +168,15 @@ def test_async_callbacks_and_best_effort_subscriptions_work(drive: Path) -> None
 
 def test_nobody_else_hears_a_replay_and_nobody_disturbs_it(drive: Path) -> None:
     """The notebook's own nodes on the same topics, and what they publish, stay out of it."""
-    background.run(Smooth)
-    publisher = background.run(Node, "disturbing").create_publisher(Pose, "/turtle1/pose", 10)
+    running.run(Smooth)
+    publisher = running.run(Node, "disturbing").create_publisher(Pose, "/turtle1/pose", 10)
     with record("/smooth/pose", Pose) as recording:
         publisher.publish(Pose())
         wait_until(lambda: len(recording) == 1)
         replayed = replay(drive, Smooth)
         publisher.publish(Pose())
         wait_until(lambda: len(recording) == 2)
-    background.stop()
+    running.stop()
     assert len(replayed["/smooth/pose"]) == COUNT and everything(replayed) == everything(replay(drive, Smooth))
     assert len(recording) == 2
 
@@ -310,7 +312,7 @@ def test_a_recorded_bag_goes_through_too(tmp_path: Path) -> None:
             self.start = time.monotonic()
             self.create_timer(0.01, lambda: self.poses.publish(Pose(x=time.monotonic() - self.start)))
 
-    with background.running(Turtle), bags.record(tmp_path / "bag", "/turtle1/pose") as bag:
+    with running.running(Turtle), bags.record(tmp_path / "bag", "/turtle1/pose") as bag:
         wait_until(lambda: bag.message_count > 30)
     first, second = replay(tmp_path / "bag", Smooth), replay(tmp_path / "bag", Smooth)
     assert everything(first) == everything(second)

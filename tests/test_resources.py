@@ -14,13 +14,16 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit import background, context, instruments
-from course_kit.programs import processes, processes_with_nodes
+from course_kit.background import running
+from course_kit.programs import processes
 from course_kit.programs.child_process import Process
-from course_kit.programs.processes_with_nodes import NOTEBOOK, Origin, listens
-from course_kit.programs.resource_plots import plot_resources
-from course_kit.programs.resources import record_resources
 from course_kit.recordings.meters import measure_rates
+from course_kit.resources import processes_with_nodes
+from course_kit.resources.processes_with_nodes import NOTEBOOK, Origin, listens
+from course_kit.resources.resource_plots import plot_resources
+from course_kit.resources.resource_recording import record_resources
+from course_kit.spinning import context
+from course_kit.watching import instruments
 from tests.waiting import wait_until
 
 PROGRAM = [sys.executable, str(Path(__file__).with_name("plain_node.py"))]
@@ -48,13 +51,13 @@ def of(node: str) -> processes_with_nodes.NodeProcess | None:
 @pytest.fixture(scope="module")
 def busy() -> Iterator[Process]:
     """A node that computes, in a process of its own, beside two nodes of this process."""
-    background.run(Burner)
-    background.run(Node, "idle")
+    running.run(Burner)
+    running.run(Node, "idle")
     process = processes.start([*PROGRAM, "worker", "busy"], name="worker")
     wait_until(lambda: of("/robot/worker"))
     yield process
     process.stop()
-    background.stop()
+    running.stop()
     context.stop()
 
 

@@ -16,12 +16,13 @@ from typing import Any
 
 import pytest
 
-from course_kit import bags, context, instruments
+from course_kit import bags
 from course_kit.bags import files as bag_files
 from course_kit.bags.files import BagInfo, BagTopic
 from course_kit.bags.writer import BagWriter
-from course_kit.ros2 import bag_text
-from course_kit.ros_graph import topics
+from course_kit.ros2.bag import text
+from course_kit.spinning import context
+from course_kit.watching import instruments, topics
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND, ros2
 from tests.ros2_running import Running
@@ -447,7 +448,7 @@ def test_info_is_printed_as_jazzy_prints_it(monkeypatch: pytest.MonkeyPatch) -> 
             BagTopic("/add/_service_event", "example_interfaces/srv/AddTwoInts_Event", 3),
         ],
     )
-    assert bag_text.info_text(found).splitlines() == [
+    assert text.info_text(found).splitlines() == [
         "",
         "Files:             subset_0.mcap",
         "Bag size:          104.0 KiB",
@@ -464,7 +465,7 @@ def test_info_is_printed_as_jazzy_prints_it(monkeypatch: pytest.MonkeyPatch) -> 
         "Service information: Service: /add | Type: example_interfaces/srv/AddTwoInts | Event Count: 3 | "
         "Serialization Format: cdr",
     ]
-    assert bag_text.size_text(999) == "999 B"
+    assert text.size_text(999) == "999 B"
     monkeypatch.delenv("TZ")
     time.tzset()
     assert os.environ.get("TZ") is None

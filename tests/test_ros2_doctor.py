@@ -10,8 +10,9 @@ from contextlib import contextmanager
 
 import pytest
 
-from course_kit.ros2 import doctor_checks, doctor_report, packages
-from course_kit.ros2.doctor_checks import Interface, Pair, System, Topic
+from course_kit.programs import packages
+from course_kit.ros2.doctor import checks, report
+from course_kit.ros2.doctor.checks import Interface, Pair, System, Topic
 from tests.ros2_command import ros2
 from tests.senders import Sender
 
@@ -56,13 +57,13 @@ def system(**changes: object) -> System:
 
 
 def findings(system: System) -> dict[str, list[str]]:
-    found = {name: [str(finding) for finding in check(system)] for name, check in doctor_checks.CHECKS.items()}
+    found = {name: [str(finding) for finding in check(system)] for name, check in checks.CHECKS.items()}
     return {name: lines for name, lines in found.items() if lines}
 
 
 def test_nothing_is_found_where_all_is_well():
     assert findings(HEALTHY) == {}
-    assert doctor_checks.summary(5, []) == "\nAll 5 checks passed\n"
+    assert checks.summary(5, []) == "\nAll 5 checks passed\n"
 
 
 @pytest.mark.parametrize(
@@ -102,14 +103,14 @@ def test_what_is_wrong_is_found_in_its_module(changes, found):
 
 
 def test_warnings_fail_a_check_only_when_they_are_included():
-    found = {name: check(system(topics=[Topic("/a", 1, 0)])) for name, check in doctor_checks.CHECKS.items()}
-    assert doctor_checks.failed(found, include_warnings=False) == []
-    assert doctor_checks.failed(found, include_warnings=True) == ["topic"]
-    assert doctor_checks.summary(5, ["topic"]) == "\n1/5 check(s) failed\n\nFailed modules: topic"
+    found = {name: check(system(topics=[Topic("/a", 1, 0)])) for name, check in checks.CHECKS.items()}
+    assert checks.failed(found, include_warnings=False) == []
+    assert checks.failed(found, include_warnings=True) == ["topic"]
+    assert checks.summary(5, ["topic"]) == "\n1/5 check(s) failed\n\nFailed modules: topic"
 
 
 def text_of(system: System, *modules: str) -> str:
-    return "\n".join(map(str, doctor_report.sections(system, modules)))
+    return "\n".join(map(str, report.sections(system, modules)))
 
 
 def test_the_report_of_the_network():

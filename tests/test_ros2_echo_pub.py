@@ -15,12 +15,12 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from course_kit import instruments
-from course_kit.ros2 import topic_endpoints
 from course_kit.ros2.command import run
-from course_kit.ros2.message_yaml import Shown
-from course_kit.ros2.topic_echo_text import expression, lost_text, message_text, selector
+from course_kit.ros2.messages.yaml_text import Shown
+from course_kit.ros2.topic import endpoints
+from course_kit.ros2.topic.echo_text import expression, lost_text, message_text, selector
 from course_kit.ros2.verbs import CommandError
+from course_kit.watching import instruments
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
@@ -305,11 +305,11 @@ def test_echo_and_pub_leave_a_process_that_goes_on_as_it_was(capfd):
 
 
 def test_the_qos_that_can_be_asked_for_is_what_rclpy_knows():
-    assert list(topic_endpoints.PROFILES) == QoSPresetProfiles.short_keys()
-    assert list(topic_endpoints.HISTORIES) == HistoryPolicy.short_keys()
-    assert list(topic_endpoints.RELIABILITIES) == ReliabilityPolicy.short_keys()
-    assert list(topic_endpoints.DURABILITIES) == DurabilityPolicy.short_keys()
-    assert list(topic_endpoints.LIVELINESSES) == LivelinessPolicy.short_keys()
+    assert list(endpoints.PROFILES) == QoSPresetProfiles.short_keys()
+    assert list(endpoints.HISTORIES) == HistoryPolicy.short_keys()
+    assert list(endpoints.RELIABILITIES) == ReliabilityPolicy.short_keys()
+    assert list(endpoints.DURABILITIES) == DurabilityPolicy.short_keys()
+    assert list(endpoints.LIVELINESSES) == LivelinessPolicy.short_keys()
 
 
 def test_values_that_are_no_message_are_printed_as_python_does():

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from rosidl_adapter.parser import parse_message_string  # type: ignore[import-untyped]
 
-from course_kit.ros2 import interface, interface_text
 from course_kit.ros2.command import run
+from course_kit.ros2.interface import interface, text
 
 TRANSCRIPTS = Path(__file__).with_name("ros2_transcripts")
 MODES = {(): (True, False), ("--all-comments",): (True, True), ("--no-comments",): (False, False)}
@@ -41,13 +41,13 @@ def lab(tmp_path, monkeypatch) -> str:
     """A package of its own with odd definitions, before the installed ones."""
     index = tmp_path / "share/ament_index/resource_index"
     listing = "".join(f"{name}\n" for name in [*DEFINITIONS, "msg/Hidden_Part.msg"])
-    for name, text in (("packages/lab", ""), ("packages/bare", ""), ("rosidl_interfaces/lab", listing)):
+    for name, content in (("packages/lab", ""), ("packages/bare", ""), ("rosidl_interfaces/lab", listing)):
         (index / name).parent.mkdir(parents=True, exist_ok=True)
-        (index / name).write_text(text)
-    for name, text in DEFINITIONS.items():
+        (index / name).write_text(content)
+    for name, content in DEFINITIONS.items():
         path = tmp_path / "share/lab" / name
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+        path.write_text(content)
     monkeypatch.setenv("AMENT_PREFIX_PATH", f"{tmp_path}{os.pathsep}{os.environ['AMENT_PREFIX_PATH']}")
     return str(tmp_path)
 
@@ -106,7 +106,7 @@ def test_every_installed_type_has_a_prototype(type_name, capsys):
 
 
 def test_there_are_types_of_each_kind_to_test_with():
-    assert min(len(interface.types([kind])) for kind in interface_text.KINDS) >= 2
+    assert min(len(interface.types([kind])) for kind in text.KINDS) >= 2
     assert len(interface.types()) > 150
 
 
@@ -190,7 +190,7 @@ def test_list_has_a_heading_for_each_kind_and_hides_parts(lab, capsys):
     headings = [line for line in out.splitlines() if not line.startswith("    ")]
     assert headings == ["Messages:", "Services:", "Actions:"]
     assert [line.strip() for line in out.splitlines() if line not in headings] == [
-        name for kind in interface_text.KINDS for name in interface.types([kind])
+        name for kind in text.KINDS for name in interface.types([kind])
     ]
     assert "    lab/msg/Outer\n" in out and "Hidden" not in out
     messages, services, actions = (printed(capsys, "list", option)[0] for option in ("-m", "-s", "-a"))

@@ -12,8 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.ros2 import packages, pkg_create, pkg_template
+from course_kit.programs import packages
 from course_kit.ros2.command import run
+from course_kit.ros2.pkg import create, template
 
 WHO = ("--maintainer-name", "Nobody", "--maintainer-email", "nobody@nowhere.com")
 LICENSES = "Apache-2.0\nBSL-1.0\nBSD-2.0\nBSD-2-Clause\nBSD-3-Clause\nGPL-3.0-only\nLGPL-3.0-only\nMIT\nMIT-0\n"
@@ -136,7 +137,7 @@ def test_without_a_license_it_warns_in_the_end_and_writes_none(pkg):
 def test_the_licenses_that_come_with_their_text(pkg):
     assert pkg("create", "any", "--license", "?") == (f"Supported licenses:\n{LICENSES}", "")
     assert os.listdir() == []
-    beginnings = {name: (pkg_create.license_text(name) or "").strip().splitlines()[0] for name in LICENSES.split()}
+    beginnings = {name: (create.license_text(name) or "").strip().splitlines()[0] for name in LICENSES.split()}
     assert beginnings["Apache-2.0"].strip() == "Apache License"
     assert beginnings["GPL-3.0-only"].strip() == "GNU GENERAL PUBLIC LICENSE"
     assert beginnings["MIT"].startswith("Permission is hereby granted, free of charge")
@@ -279,16 +280,16 @@ def test_the_cmake_of_an_interface_package_finds_its_generators_and_the_linters_
 
 
 def test_every_place_of_every_template_is_filled():
-    package = pkg_create.Package("a", "cmake", 3, "d", "m", "e", "l", ("x", "y"), "n", "b")
-    for template in pkg_template.FOLDER.rglob("*.template"):
-        name = str(template.relative_to(pkg_template.FOLDER)).removesuffix(".template")
-        assert "{{" not in pkg_template.filled(name, package.values()), name
+    package = create.Package("a", "cmake", 3, "d", "m", "e", "l", ("x", "y"), "n", "b")
+    for file in template.FOLDER.rglob("*.template"):
+        name = str(file.relative_to(template.FOLDER)).removesuffix(".template")
+        assert "{{" not in template.filled(name, package.values()), name
 
 
 def test_a_template_chooses_and_repeats_lines():
     text = "{{if a}}\nis {{a}}\n{{if b}}\nboth\n{{else}}\nnot {{c}}\n{{end}}\n{{else}}\nnone\n{{end}}\n${{{a}}}\n"
-    assert pkg_template.fill(text, {"a": "A", "b": "", "c": ("1", "2")}) == "is A\nnot 1\nnot 2\n${A}\n"
-    assert pkg_template.fill(text, {"a": None, "b": "", "c": ()}) == "none\n${None}\n"
+    assert template.fill(text, {"a": "A", "b": "", "c": ("1", "2")}) == "is A\nnot 1\nnot 2\n${A}\n"
+    assert template.fill(text, {"a": None, "b": "", "c": ()}) == "none\n${None}\n"
 
 
 def test_the_verbs_know_every_installed_package(pkg):

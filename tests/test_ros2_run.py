@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.ros2 import packages
+from course_kit.programs import packages
 from course_kit.ros2.line_completion import complete
 from tests.ros2_command import COMMAND, TIMEOUT
 from tests.ros2_launches import ROOT, Prefix, RunningGroup, none_left

@@ -16,10 +16,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header, String
 
-from course_kit import context
-from course_kit.ros_graph import topics
-from course_kit.scene import Frames, layer, matrix, scene
-from course_kit.scene_plots import FREE, NOT_KNOWN, OCCUPIED, plot_scene, shades
+from course_kit.scene.scene import Frames, layer, matrix, scene
+from course_kit.scene.scene_plots import FREE, NOT_KNOWN, OCCUPIED, plot_scene, shades
+from course_kit.spinning import context
+from course_kit.watching import topics
 
 
 def turned(yaw: float) -> Quaternion:

@@ -20,7 +20,7 @@ from typing import Any
 from course_kit.bags.files import BagInfo, BagTopic, info, opened, storage_files
 from course_kit.bags.repair import reindex
 from course_kit.bags.storage import BagError
-from course_kit.ros_graph import topics
+from course_kit.watching import topics
 
 MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be connected
 

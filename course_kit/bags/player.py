@@ -18,12 +18,12 @@ from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from course_kit import context
 from course_kit.bags import qos as bag_qos
 from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
 from course_kit.bags.recorder import LogLine
-from course_kit.ros_graph import topics
+from course_kit.spinning import context
+from course_kit.watching import topics
 
 NODE = "rosbag2_player"
 READ_AHEAD = 1000  # messages

@@ -22,12 +22,13 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from course_kit import context, errors
 from course_kit.bags import qos as bag_qos
 from course_kit.bags import types as bag_types
 from course_kit.bags.selection import Selection
-from course_kit.recordings.raw_subscriptions import RawSubscription, Watcher
-from course_kit.ros_graph import graph, topics
+from course_kit.ros_graph import graph
+from course_kit.spinning import context, errors
+from course_kit.watching import topics
+from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 
 if TYPE_CHECKING:
     from course_kit.bags.writer import BagWriter

@@ -1,11 +1,1 @@
-"""Checks of exercises: the vocabulary, the checker's process, and its face in the notebook.
-
-The checker is a process of its own with its own ROS contexts: one in the student's domain, one on the *stage*, a
-domain in which only the student's class and what its exercise is about meet. It looks at nodes from outside, as a
-robot would: graph, messages, answers, times.
-
-What is trusted. The notebook's process only obeys: makes a node of the student's class on the stage, calls a method,
-reads an attribute. What it says in return counts where the exercise is about exactly that: a value handed to check(),
-what a method returns, what an attribute holds. All else is judged by traffic that a patched notebook can only produce
-by doing what the exercise asks. The hints may quote errors that the notebook reports; they give and cost no points.
-"""
+"""The process that checks exercises, its face in the notebook, and your progress."""

@@ -11,9 +11,9 @@ import sys
 def main() -> None:
     """Serve. An interrupt is meant for the notebook's cell, not for this process."""
     signal.signal(signal.SIGINT, lambda *_: None)  # not SIG_IGN, which the programs that a check starts would inherit
-    from course_kit import guards
-    from course_kit.checking.lines import Lines
+    from course_kit.background import guards
     from course_kit.checking.server import Checker
+    from course_kit.examining.lines import Lines
 
     guards.keep_answers()
     lines = Lines(socket.socket(fileno=int(sys.argv[1])))

@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from course_kit.checking import stage
-from course_kit.checking.lines import Closed, Lines, Message
-from course_kit.checking.verdict import NOT_LOOKED_AT, Verdict
 from course_kit.colcon import sourcing
 from course_kit.environment.activation import split_paths
+from course_kit.examining import stage
+from course_kit.examining.lines import Closed, Lines, Message
+from course_kit.examining.verdict import NOT_LOOKED_AT, Verdict
 from course_kit.programs.child_process import Process
 
 START_TIMEOUT = 20.0  # seconds until the checker answers at all

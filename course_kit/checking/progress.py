@@ -14,7 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from course_kit import exercises
-from course_kit.checking.verdict import LOOKED_AT, Verdict
+from course_kit.examining.exercise import Exercise
+from course_kit.examining.verdict import LOOKED_AT, Verdict
 
 FOLDER, FILE = "ros2-notebook-course", "progress.json"
 
@@ -82,7 +83,7 @@ class Progress:
             for title, asked in ((title, exercises.of_chapter(name)) for name, title in exercises.CHAPTERS.items())
         ]
 
-    def _of(self, exercise: exercises.Exercise) -> int:
+    def _of(self, exercise: Exercise) -> int:
         return min(exercise.points, self.points.get(exercise.name, 0))
 
     def __repr__(self) -> str:

@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import Any
 
 from course_kit import exercises
-from course_kit.checking import examination, own_types
-from course_kit.checking.domains import reserve_stage
-from course_kit.checking.examination import WORKSPACE, Ended, Examination, OutOfTime
-from course_kit.checking.lines import Closed, Lines, Message
-from course_kit.checking.station import Heard, Station
-from course_kit.checking.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 from course_kit.checking.watching import open_watch
-from course_kit.exercises import Exercise
+from course_kit.examining import examination, own_types
+from course_kit.examining.domains import reserve_stage
+from course_kit.examining.examination import WORKSPACE, Ended, Examination, OutOfTime
+from course_kit.examining.exercise import Exercise
+from course_kit.examining.lines import Closed, Lines, Message
+from course_kit.examining.station import Heard, Station
+from course_kit.examining.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 
 DISCOVERY_TIMEOUT = 3.0
 END_TIMEOUT = 3.0  # seconds for leaving both domains in good order

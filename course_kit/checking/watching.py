@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from course_kit.checking.station import Heard, Station
+from course_kit.examining.station import Heard, Station
 
 # A topic that nobody may publish yet has no type to look up.
 TYPES = {

@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 from std_msgs.msg import String
 
-from course_kit import context
+from course_kit.spinning import context
 
 TOPIC = "/environment_check_{}"  # with the process id, so that two checks at once do not hear each other
 

@@ -7,9 +7,9 @@ import time
 
 from example_interfaces.action import Fibonacci
 
-from course_kit.checking.vocabulary import a_turtle, answer, expect, expect_node, pause, read, wait, wait_for_attribute
-from course_kit.checking.vocabulary_actions import Client, FibonacciServer, expect_action
-from course_kit.exercises import exercise
+from course_kit.examining.exercise import exercise
+from course_kit.examining.vocabulary import a_turtle, answer, expect, expect_node, pause, read, wait, wait_for_attribute
+from course_kit.examining.vocabulary_actions import Client, FibonacciServer, expect_action
 
 
 @exercise(

@@ -7,12 +7,12 @@ from itertools import pairwise
 
 from turtlesim.msg import Pose
 
-from course_kit.checking import own_types, paths
-from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import a_turtle, answer, expect, expect_node, pause, wait
-from course_kit.checking.vocabulary_actions import Client, expect_action
-from course_kit.checking.vocabulary_topics import listen
-from course_kit.exercises import exercise
+from course_kit.examining import own_types, paths
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import a_turtle, answer, expect, expect_node, pause, wait
+from course_kit.examining.vocabulary_actions import Client, expect_action
+from course_kit.examining.vocabulary_topics import listen
 
 SIDE = 2.0  # metres of a line of the star
 STAR_TURN = 2 * math.tau / 5

@@ -15,12 +15,13 @@ from std_msgs.msg import Bool
 
 from course_kit.bags.files import BagInfo, info
 from course_kit.bags.storage import BagError
-from course_kit.checking.examination import now
-from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import answer, expect, expect_node, expect_value, pause, wait
-from course_kit.checking.vocabulary_services import Client
-from course_kit.checking.vocabulary_student import expect_running_node
-from course_kit.checking.vocabulary_topics import (
+from course_kit.examining.examination import now
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import answer, expect, expect_node, expect_value, pause, wait
+from course_kit.examining.vocabulary_services import Client
+from course_kit.examining.vocabulary_student import expect_running_node
+from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_rate,
     expect_subscription,
@@ -30,7 +31,6 @@ from course_kit.checking.vocabulary_topics import (
     publisher,
     values,
 )
-from course_kit.exercises import exercise
 from course_kit.faults import all_faults
 from course_kit.faults.vocabulary import expect_well
 

@@ -7,9 +7,10 @@ from typing import Any
 from std_msgs.msg import Float32
 from turtlesim.msg import Pose
 
-from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import answer, expect, expect_node, wait
-from course_kit.checking.vocabulary_topics import (
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import answer, expect, expect_node, wait
+from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
@@ -17,7 +18,6 @@ from course_kit.checking.vocabulary_topics import (
     publisher,
     values,
 )
-from course_kit.exercises import exercise
 
 POSES = "/turtle1/pose"
 FEW = 5  # poses, fewer than any queue holds

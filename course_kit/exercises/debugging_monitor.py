@@ -10,9 +10,10 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 from turtlesim.msg import Pose
 
-from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import answer, expect, expect_node, pause
-from course_kit.checking.vocabulary_topics import (
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import answer, expect, expect_node, pause
+from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_rate,
     expect_subscription,
@@ -20,7 +21,6 @@ from course_kit.checking.vocabulary_topics import (
     listen,
     publisher,
 )
-from course_kit.exercises import exercise
 
 SCANS, POSES = "/scan", "/turtle1/pose"
 LEVELS = {b"\x00": "OK", b"\x01": "WARN", b"\x02": "ERROR", b"\x03": "STALE"}

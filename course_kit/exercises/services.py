@@ -5,8 +5,9 @@ from __future__ import annotations
 from example_interfaces.srv import AddTwoInts
 from std_srvs.srv import SetBool, Trigger
 
-from course_kit.checking import trails
-from course_kit.checking.vocabulary import (
+from course_kit.examining import trails
+from course_kit.examining.exercise import exercise
+from course_kit.examining.vocabulary import (
     a_turtle,
     answer,
     call,
@@ -17,14 +18,7 @@ from course_kit.checking.vocabulary import (
     read,
     wait_for_servers,
 )
-from course_kit.checking.vocabulary_services import (
-    Client,
-    a_server,
-    add_two_ints,
-    expect_service,
-    no_answer,
-)
-from course_kit.exercises import exercise
+from course_kit.examining.vocabulary_services import Client, a_server, add_two_ints, expect_service, no_answer
 
 SLOW_TICK = 0.1  # seconds; so slow that who does not wait for a tick is always early
 LATE = 1.5  # seconds that a wait of 0.5 s may take where the machine is busy

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from course_kit.checking import paths
-from course_kit.checking.vocabulary import expect, expect_value
-from course_kit.checking.vocabulary_student import expect_running_node, heard_since_start, logged_by
-from course_kit.exercises import exercise
+from course_kit.examining import paths
+from course_kit.examining.exercise import exercise
+from course_kit.examining.vocabulary import expect, expect_value
+from course_kit.examining.vocabulary_student import expect_running_node, heard_since_start, logged_by
 from course_kit.turtlesim.field import EXTENT
 
 CORNERS = {

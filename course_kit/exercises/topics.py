@@ -11,10 +11,11 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Int32
 from turtlesim.msg import Pose
 
-from course_kit.checking import paths
-from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import a_turtle, answer, expect, expect_node, pause, wait, wait_for_attribute
-from course_kit.checking.vocabulary_topics import (
+from course_kit.examining import paths
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import a_turtle, answer, expect, expect_node, pause, wait, wait_for_attribute
+from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_rate,
     expect_subscription,
@@ -25,7 +26,6 @@ from course_kit.checking.vocabulary_topics import (
     values,
     wait_until_quiet,
 )
-from course_kit.exercises import exercise
 
 
 @exercise(

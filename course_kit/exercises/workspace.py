@@ -7,11 +7,12 @@ from typing import Any
 
 from std_msgs.msg import String
 
-from course_kit.checking import own_types
-from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import answer, expect, expect_node, pause, wait
-from course_kit.checking.vocabulary_services import Client, expect_service
-from course_kit.checking.vocabulary_topics import (
+from course_kit.examining import own_types
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import answer, expect, expect_node, pause, wait
+from course_kit.examining.vocabulary_services import Client, expect_service
+from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
@@ -20,7 +21,7 @@ from course_kit.checking.vocabulary_topics import (
     rate,
     values,
 )
-from course_kit.checking.vocabulary_workspace import (
+from course_kit.examining.vocabulary_workspace import (
     expect_definition,
     expect_executable,
     expect_gone,
@@ -32,7 +33,6 @@ from course_kit.checking.vocabulary_workspace import (
     set_parameter,
     start,
 )
-from course_kit.exercises import exercise
 
 BATTERY = ("float32 EMPTY_VOLTAGE=11.0", "float32 voltage", "float32 percentage", "bool charging")
 RECHARGE = ("float32 percentage", "---", "bool accepted", "string reason")

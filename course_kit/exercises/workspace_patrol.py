@@ -11,12 +11,13 @@ from typing import Any
 import yaml
 from turtlesim.msg import Pose
 
-from course_kit.checking import paths
-from course_kit.checking.examination import now
-from course_kit.checking.station import Heard
-from course_kit.checking.vocabulary import a_turtle, expect, wait
-from course_kit.checking.vocabulary_topics import listen
-from course_kit.checking.vocabulary_workspace import (
+from course_kit.examining import paths
+from course_kit.examining.examination import now
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import a_turtle, expect, wait
+from course_kit.examining.vocabulary_topics import listen
+from course_kit.examining.vocabulary_workspace import (
     expect_executable,
     expect_installed,
     expect_nodes,
@@ -26,7 +27,6 @@ from course_kit.checking.vocabulary_workspace import (
     share,
     start,
 )
-from course_kit.exercises import exercise
 
 LAP_TIMEOUT = 30.0
 LAP = 1.15 * math.tau  # radians that the turtle turns on a lap, and more than it may overshoot

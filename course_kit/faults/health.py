@@ -14,8 +14,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from course_kit.checking.station import Heard, Station
-    from course_kit.checking.verdict import Finding
+    from course_kit.examining.station import Heard, Station
+    from course_kit.examining.verdict import Finding
 
 Wait = Callable[[Callable[[], bool], float], object]  # wait(condition, timeout): until it holds or the time is over
 
@@ -42,7 +42,7 @@ class Observation:
 
 def findings(seen: Observation) -> list[Finding]:
     """What is well and what is not, in the order of the data's way through the robot."""
-    from course_kit.checking.verdict import Finding
+    from course_kit.examining.verdict import Finding
 
     in_map = 1 - WITHIN
     looked_at = (

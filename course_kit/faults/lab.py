@@ -19,7 +19,7 @@ from course_kit.programs.child_process import Process
 from course_kit.text import table
 
 if TYPE_CHECKING:
-    from course_kit.checking.station import Station
+    from course_kit.examining.station import Station
 
 REPAIR_TIMEOUT = 12.0  # seconds given to a repaired robot: discovery, the next map, and two seconds of being well
 COMMAND_TIMEOUT = 20.0
@@ -138,8 +138,8 @@ def _wait(condition: Callable[[], bool], timeout: float) -> None:
 @contextlib.contextmanager
 def _station() -> Iterator[Station]:
     """A ROS context for the length of a look, so that its subscriptions are in nobody's way afterwards."""
-    from course_kit import context
-    from course_kit.checking.station import Station
+    from course_kit.examining.station import Station
+    from course_kit.spinning import context
 
     context.start()  # the first context of a process sets its logging up
     station = Station(None, only_here=False)

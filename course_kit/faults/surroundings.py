@@ -9,9 +9,9 @@ import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from course_kit.checking.domains import RANGE, reserve_stage
 from course_kit.colcon import sourcing
 from course_kit.environment.activation import PROFILE, PROFILE_VARIABLES, split_paths
+from course_kit.examining.domains import RANGE, reserve_stage
 
 ROBOT = Path(__file__).with_name("robot")  # where the package `patrol` is installed, as colcon's install folder
 STOCK_LEASE = 20  # seconds that DDS keeps a participant which says nothing any more, unless it is told otherwise

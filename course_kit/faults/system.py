@@ -12,11 +12,11 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
-from course_kit import instruments
 from course_kit.faults import surroundings
 from course_kit.faults.fault import HEALTHY, PLANNER, PROGRAMS, Fault, Start
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
+from course_kit.watching import instruments
 
 PATIENCE = 1.5  # seconds that a program has to end, after SIGINT and again after SIGTERM
 READY_TIMEOUT = 20.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from course_kit.checking.verdict import Finding, in_code, mark
+from course_kit.examining.verdict import Finding, in_code, mark
 
 
 @dataclass(frozen=True)

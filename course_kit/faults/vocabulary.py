@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from course_kit.checking.examination import now
-from course_kit.checking.vocabulary import expect, wait
+from course_kit.examining.examination import now
+from course_kit.examining.vocabulary import expect, wait
 from course_kit.faults import health
 
 POLL = 0.1

@@ -10,8 +10,9 @@ from typing import Any, Protocol
 from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
-from course_kit import background, context, errors
+from course_kit.background import running
 from course_kit.node_logs import rosout
+from course_kit.spinning import context, errors
 
 LAST_LINES = 8
 # Seconds between two updates of a console: a node may log a thousand times a second.
@@ -62,7 +63,7 @@ _updater: threading.Thread | None = None
 
 def attach() -> None:
     """Show a console for each node that runs from now on."""
-    background.listen(_on_event)
+    running.listen(_on_event)
     errors.listen(_on_error)
     rosout.listen(_on_line)
     context.before_stop(_end)

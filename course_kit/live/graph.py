@@ -11,9 +11,9 @@ from ipywidgets import HTML, Button, HBox, Image, Layout, VBox
 from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 
-from course_kit import context
 from course_kit.ros_graph.graph_data import Snapshot
 from course_kit.ros_graph.graph_plots import draw_graph, look, observer
+from course_kit.spinning import context
 
 PERIOD = 0.2  # seconds between two looks at the graph; one takes 10 ms for 60 nodes
 PARAMETERS = 1.0  # where each look asks all nodes for their parameters

@@ -8,9 +8,10 @@ from typing import Any
 
 from ipywidgets import HTML, Dropdown, HBox, Layout, Text, ToggleButton, VBox
 
-from course_kit import context
-from course_kit.node_logs import log_levels, rosout
+from course_kit.background import log_levels
+from course_kit.node_logs import rosout
 from course_kit.node_logs.rosout import LEVELS, LogLine, LogLines
+from course_kit.spinning import context
 
 PERIOD = 0.25  # seconds between two looks: nodes may log a thousand times a second
 SHOWN = 200  # lines

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit import context, instruments
 from course_kit.live.view import LONGEST, Bundle, LiveView, as_text
 from course_kit.node_logs import rosout
 from course_kit.recordings import meters
 from course_kit.recordings.measure import Reading
 from course_kit.recordings.meters import RateMeter, bandwidth_text, delay_text
-from course_kit.ros_graph import graph, topics
+from course_kit.ros_graph import graph
+from course_kit.spinning import context
 from course_kit.text import table
+from course_kit.watching import instruments, topics
 
 PERIOD = 0.5  # seconds between two tables
 HEADINGS = ("topic", "from", "rate", "period min", "max", "delay", "bandwidth", "lost", "age")

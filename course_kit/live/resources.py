@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from course_kit.live.view import LONGEST, LiveView, as_text
-from course_kit.programs.resources import PERIOD, record_resources
+from course_kit.resources.resource_recording import PERIOD, record_resources
 
 
 def watch_resources(period: float = PERIOD, seconds: float = LONGEST) -> LiveView:

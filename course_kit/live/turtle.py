@@ -13,10 +13,12 @@ from ipywidgets import HTML, Button, GridBox, HBox, Layout, VBox
 from rclpy.serialization import deserialize_message
 from turtlesim.msg import Pose
 
-from course_kit import background, context, instruments
+from course_kit.background import running
+from course_kit.spinning import context
 from course_kit.turtlesim import Teleop, teleop
 from course_kit.turtlesim.field import METER, SIZE
 from course_kit.turtlesim.picture import turtle_image
+from course_kit.watching import instruments
 
 SCREEN = 400  # pixels; the field's 500 shrink to it in the browser
 FRAME = 0.05  # seconds between two pictures
@@ -40,7 +42,7 @@ class TurtlePanel(VBox):
         if turtle != "turtle1":  # the teleop node's own name for its turtle, as in the original
             remapping = [f"turtle1/{topic}:={turtle}/{topic}" for topic in ("cmd_vel", "rotate_absolute")]
             options["cli_args"] = ["--ros-args", *(word for rule in remapping for word in ("-r", rule))]
-        self.teleop = background.run(Teleop, **options)
+        self.teleop = running.run(Teleop, **options)
         self._poses: deque[bytes] = deque(maxlen=1000)
         self._last: Pose | None = None
         self._closed = threading.Event()
@@ -63,7 +65,7 @@ class TurtlePanel(VBox):
         """End the view and its teleop node; the last picture stays."""
         self._closed.set()
         self._subscription.close()
-        background.stop(self.teleop)
+        running.stop(self.teleop)
         _panels.pop(self.topic, None)
 
     def _pad(self) -> GridBox:

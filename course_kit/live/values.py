@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from course_kit.figures import Plot, style
 from course_kit.live.view import LONGEST, Bundle, LiveView, as_picture
-from course_kit.recordings import field_paths, value_plots, value_series
 from course_kit.recordings.recording import record
-from course_kit.recordings.value_series import Values
+from course_kit.series import field_paths, value_plots, value_series
+from course_kit.series.value_series import Values
 
 PERIOD = 0.5  # seconds between two pictures: one takes most of a tenth of a second of the processor
 KEPT = 20_000  # messages of each topic

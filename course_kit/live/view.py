@@ -13,8 +13,8 @@ from typing import Any
 from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
-from course_kit import context
 from course_kit.figures import SCREEN_DPI, Plot
+from course_kit.spinning import context
 
 Bundle = dict[str, Any]
 LONGEST = 600.0  # seconds after which a view that was forgotten ends

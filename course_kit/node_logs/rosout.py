@@ -14,8 +14,9 @@ from typing import Any
 from rcl_interfaces.msg import Log
 from rclpy.serialization import deserialize_message
 
-from course_kit import errors, instruments
+from course_kit.spinning import errors
 from course_kit.text import table
+from course_kit.watching import instruments
 
 LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 KEPT = 5000

@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from course_kit import instruments
 from course_kit.recordings import fields
 from course_kit.recordings.buffers import Int64s
 from course_kit.recordings.measure import WINDOW, ArrivalWindow, Reading, measure, spread
-from course_kit.recordings.raw_subscriptions import RawSubscription
-from course_kit.ros_graph import topics
 from course_kit.text import table
+from course_kit.watching import instruments, topics
+from course_kit.watching.raw_subscriptions import RawSubscription
 
 UNSET = 1e7  # seconds: a message that is so old has a stamp of zero, or of a simulation's clock
 DELAY = 5  # the column of it in the table

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from course_kit import instruments
 from course_kit.recordings.buffers import Int64s, MessageBuffer
-from course_kit.recordings.raw_subscriptions import RawSubscription
 from course_kit.recordings.topic_recording import Messages, TopicRecording, table
-from course_kit.ros_graph import topics
+from course_kit.watching import instruments, topics
+from course_kit.watching.raw_subscriptions import RawSubscription
 
 MAX_BYTES = 1 << 30
 FIRST_MESSAGE = 1.0  # seconds given to publishers to find the recording before its seconds count

@@ -12,7 +12,7 @@ from rclpy.serialization import deserialize_message
 from course_kit import text
 from course_kit.recordings import fields
 from course_kit.recordings.buffers import Int64s, Serialised
-from course_kit.ros_graph import topics
+from course_kit.watching import topics
 
 
 class Messages(Sequence[Any]):

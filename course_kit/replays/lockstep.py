@@ -27,9 +27,9 @@ from rclpy.serialization import serialize_message
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 
-from course_kit import spinning
 from course_kit.bags import qos as bag_qos
-from course_kit.ros_graph import topics
+from course_kit.spinning import executors
+from course_kit.watching import topics
 
 OF_EVERY_NODE = ("/parameter_events", "/rosout", "/clock")
 MATCH_TIMEOUT = 5.0  # seconds given to a publisher and a subscription of this process to find each other
@@ -77,7 +77,7 @@ class LockStep:
             if node is not None:
                 with contextlib.suppress(Exception):
                     self._executor.remove_node(node)
-                spinning.destroy(node)
+                executors.destroy(node)
         self._executor.shutdown(timeout_sec=1.0)
 
     def make(self, node_class: type[Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Node:
@@ -94,7 +94,7 @@ class LockStep:
         since it does not look at callback groups.
         """
         assert self.node is not None
-        if self._is_fast and (len(self._timers()) > 1 or spinning.minds_groups(self.node)):
+        if self._is_fast and (len(self._timers()) > 1 or executors.minds_groups(self.node)):
             self._is_fast = False
             slower = SingleThreadedExecutor(context=self.context)
             for one in (self._player, self.node):

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 
 from course_kit.figures import COLOURS, FAINT, Plot, legend, style
 from course_kit.recordings import plots
-from course_kit.recordings.field_paths import FieldPath, numeric_fields, reader
 from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.recordings.tracks import READERS, track
 from course_kit.replays.replayed import Comparison, numbered
+from course_kit.series.field_paths import FieldPath, numeric_fields, reader
 
 MOST = 4  # fields of one topic
 FIRST: dict[str, Any] = {"linewidth": 3.4, "alpha": 0.55}

@@ -16,8 +16,8 @@ from course_kit.node_logs.rosout import LogLines
 from course_kit.recordings.buffers import MessageBuffer
 from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.recordings.topic_recording import table as topic_table
-from course_kit.ros_graph import topics
 from course_kit.text import table
+from course_kit.watching import topics
 
 TOLERANCE = 1e-6
 

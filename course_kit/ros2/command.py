@@ -68,7 +68,8 @@ def _fill(parser: ArgumentParser, command: str, named: Sequence[str]) -> None:
 
 
 def _module(command: str) -> ModuleType:
-    return importlib.import_module(f"course_kit.ros2.{_MODULES.get(command, command)}")
+    name = _MODULES.get(command, command)
+    return importlib.import_module(f"course_kit.ros2.{name}.{name}")
 
 
 def _subparsers(
@@ -149,8 +150,8 @@ def _quiet_stdout() -> int:
 def _end(status: int) -> NoReturn:
     """Leave the graph, then the process, without waiting for what Python tidies up at its end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not keep the node in the graph
-    if "course_kit.context" in sys.modules:
-        sys.modules["course_kit.context"].stop()
+    if "course_kit.spinning.context" in sys.modules:
+        sys.modules["course_kit.spinning.context"].stop()
     with contextlib.suppress(BrokenPipeError):
         sys.stdout.flush()
     sys.stderr.flush()

@@ -49,7 +49,7 @@ def node_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
 
 def parameter_names(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
     """Parameters of the node that was named before."""
-    from course_kit.ros2.param_services import list_parameters
+    from course_kit.ros2.param.services import list_parameters
 
     session = Session(parsed_args)
     session.graph()

@@ -47,7 +47,7 @@ class Session:
     @property
     def node(self) -> Node:
         """The node of this process that watches and calls; its name is hidden. Do not wait in its callbacks."""
-        from course_kit import instruments
+        from course_kit.watching import instruments
 
         if not self.in_notebook:
             instruments.appear_as("_ros2cli", with_rosout=True)

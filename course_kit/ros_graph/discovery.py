@@ -18,8 +18,8 @@ from pathlib import Path
 
 from rclpy.node import Node
 
-from course_kit.recordings.rmw_subscription import GID_SIZE, SerializedSubscription, is_fast_dds
-from course_kit.ros_graph.topics import UNKNOWN_NODE
+from course_kit.watching.rmw_subscription import GID_SIZE, SerializedSubscription, is_fast_dds
+from course_kit.watching.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
 REST = 2.5  # seconds without news after which no more is expected: lost messages are repeated each second

@@ -9,8 +9,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.parameter import parameter_value_to_python
 
-from course_kit.ros_graph import graph, topics
+from course_kit.ros_graph import graph
 from course_kit.ros_graph.graph_data import GraphNode, Parameter, Snapshot
+from course_kit.watching import topics
 
 TIMEOUT = 2.0  # seconds for all nodes to answer
 # Every node has these; QoS overrides are drawn as the QoS itself.

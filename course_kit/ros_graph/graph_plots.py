@@ -14,12 +14,12 @@ from matplotlib.patches import FancyBboxPatch, PathPatch, Polygon, Rectangle
 from matplotlib.path import Path
 from rclpy.node import Node
 
-from course_kit import instruments
 from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot
 from course_kit.ros_graph import discovery, graph, matching
 from course_kit.ros_graph.graph_cards import NAME, PAD_X, Card, Wire, cards
 from course_kit.ros_graph.graph_data import Snapshot
 from course_kit.ros_graph.graph_layout import lay_out
+from course_kit.watching import instruments
 
 FONT = "DejaVu Sans"  # it comes with matplotlib, so widths are the same everywhere
 MARGIN, HEAD, FOOT = 0.22, 0.42, 0.3  # inches

@@ -95,9 +95,9 @@ def _played(seconds: float) -> list[float]:
     from rclpy.serialization import serialize_message
     from std_msgs.msg import String
 
-    from course_kit import context, instruments
     from course_kit.bags.writer import BagWriter
-    from course_kit.ros_graph import topics
+    from course_kit.spinning import context
+    from course_kit.watching import instruments, topics
 
     count = int(seconds * PLAY_RATE)
     times: list[int] = []

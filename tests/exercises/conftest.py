@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 
-from course_kit.checking.domains import reserve_stage
-from course_kit.checking.examination import Examination, begin
-from course_kit.checking.station import Station
+from course_kit.examining.domains import reserve_stage
+from course_kit.examining.examination import Examination, begin
+from course_kit.examining.station import Station
 from course_kit.exercises import find
 
 

@@ -6,6 +6,7 @@ import nbformat
 import pytest
 
 from course_kit import exercises
+from course_kit.examining.exercise import Exercise
 from tests.exercises.chapter import FOLDER
 
 PATHS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
@@ -18,7 +19,7 @@ CELLS = {
 
 
 @pytest.mark.parametrize("exercise", exercises.every(), ids=lambda one: one.name)
-def test_the_cells_say_what_the_declaration_says(exercise: exercises.Exercise):
+def test_the_cells_say_what_the_declaration_says(exercise: Exercise):
     text = CELLS["exercise", exercise.name].source
     number = exercise.name.rsplit("-", 1)[1]
     word = "point" if exercise.points == 1 else "points"

@@ -12,13 +12,13 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from course_kit.checking import introduction
-from course_kit.checking.examination import Examination
-from course_kit.checking.introduction import introduce, meet
-from course_kit.checking.stage import Stage
-from course_kit.checking.station import Station
-from course_kit.checking.vocabulary_services import Client
-from course_kit.checking.vocabulary_topics import listen
+from course_kit.examining import introduction
+from course_kit.examining.examination import Examination
+from course_kit.examining.introduction import introduce, meet
+from course_kit.examining.stage import Stage
+from course_kit.examining.station import Station
+from course_kit.examining.vocabulary_services import Client
+from course_kit.examining.vocabulary_topics import listen
 from tests.waiting import wait_until
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.checking import own_types
+from course_kit.examining import own_types
 from course_kit.exercises.workspace import BATTERY, RECHARGE
 from tests.kernel import Kernel
 

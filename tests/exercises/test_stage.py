@@ -10,8 +10,8 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.checking.stage import Stage
-from course_kit.checking.station import KEPT, Heard, Station
+from course_kit.examining.stage import Stage
+from course_kit.examining.station import KEPT, Heard, Station
 from tests.waiting import wait_until
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.checking import vocabulary_workspace
-from course_kit.checking.examination import Ended, Examination
-from course_kit.checking.vocabulary_workspace import expect_nodes
+from course_kit.examining import vocabulary_workspace
+from course_kit.examining.examination import Ended, Examination
+from course_kit.examining.vocabulary_workspace import expect_nodes
 from course_kit.programs.child_process import Process
 
 NODE = """

@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 
 from course_kit import course_command, exercises
-from course_kit.checking import paths, progress
-from course_kit.checking.examination import beside_the_notebook
-from course_kit.checking.lines import Closed, Lines, as_json
-from course_kit.checking.verdict import NOT_BEGUN, Finding, Verdict, in_code
+from course_kit.checking import progress
+from course_kit.examining import paths
+from course_kit.examining.examination import beside_the_notebook
+from course_kit.examining.exercise import LEVELS
+from course_kit.examining.lines import Closed, Lines, as_json
+from course_kit.examining.verdict import NOT_BEGUN, Finding, Verdict, in_code
 
 Pose = namedtuple("Pose", "x y theta")
 HALF = Verdict(
@@ -160,7 +162,7 @@ def test_every_chapter_has_four_exercises_from_warm_up_on(chapter: str):
     assert len(asked) >= 4
     assert [one.name for one in asked] == [f"{chapter}-{number}" for number in range(1, len(asked) + 1)]
     assert asked[0].level == "warm-up"
-    levels = [exercises.LEVELS.index(one.level) for one in asked]
+    levels = [LEVELS.index(one.level) for one in asked]
     assert levels == sorted(levels)
 
 

@@ -1,0 +1,257 @@
+"""Runs nodes in the background of a notebook: run, stop, wait_for.
+
+What `rclpy.init(); rclpy.spin(node)` is in a program of its own, `run(Talker)` is in a cell. Each node has an
+executor and a thread of its own, as it would have a process of its own on a robot: a callback that blocks stalls
+its own node and no other.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import itertools
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from rclpy.executors import Executor
+from rclpy.node import Node
+
+from course_kit.node_logs import rosout
+from course_kit.programs import processes
+from course_kit.programs.child_process import Process
+from course_kit.spinning import context, errors
+from course_kit.spinning.executors import SpinThread, construct, destroy, executor_for
+
+NodeType = TypeVar("NodeType", bound=Node)
+# Python lets a busy cell keep the interpreter for 5 ms before a callback gets its turn; a tenth of that halves the
+# delay of timers beside a busy cell.
+SWITCH_INTERVAL = 0.0005
+
+
+@dataclass(frozen=True)
+class _Running:
+    """A node in the background."""
+
+    node: Node
+    name: str  # fully qualified
+    made_from: tuple[str, ...]  # the class and arguments that run() was given
+    spinning: SpinThread
+    start: int  # which start of the ROS context it belongs to
+
+
+_lock = threading.RLock()
+_running: dict[str, _Running] = {}
+_listeners: list[Callable[[str, str], None]] = []
+
+
+class _Constructing(threading.local):
+    """The name of the node whose constructor runs in this thread."""
+
+    name = ""
+
+
+_constructing = _Constructing()
+
+
+def listen(listener: Callable[[str, str], None]) -> None:
+    """Have `listener(event, node name)` called on each event: "starting", "running", "failed", "stopped"."""
+    if listener not in _listeners:
+        _listeners.append(listener)
+
+
+def _tell(event: str, name: str) -> None:
+    for listener in _listeners:
+        listener(event, name)
+
+
+def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = None, **kwargs: Any) -> NodeType:
+    """Run a node in the background and return it.
+
+    Hand over the class, with the constructor's arguments if it has any: `run(Talker)`. An earlier node of the same
+    name or from the same class and arguments is destroyed first, so a cell can be run again. A node that exists
+    already can be handed over too. `executor` is an rclpy executor for this node alone, such as a
+    MultiThreadedExecutor; without one the node has a single thread. Raises TypeError for what is neither a Node class
+    nor a node.
+    """
+    start = context.start()
+    rosout.collect()
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    _forget_ended(start)
+    made_from: tuple[str, ...] = ()
+    _constructing.name = ""
+    if isinstance(node, Node):
+        if args or kwargs:
+            raise TypeError("arguments are for the constructor: run(NodeClass, ...), not for a node that exists")
+        made: Node = node
+        _replace(made.get_fully_qualified_name(), unless=made)
+        if is_running(made):
+            return node  # type: ignore[return-value]
+    else:
+        made_from = _recipe(node, args, kwargs)
+        for earlier in [r for r in _running.values() if r.made_from == made_from]:
+            stop(earlier.node)
+        made = _construct(node, args, kwargs)
+    name = made.get_fully_qualified_name()
+    _replace(name, unless=made)
+    if name != _constructing.name:
+        _announce(name)
+    own = executor_for(made) if executor is None else executor
+    spinning = SpinThread(name, own, lambda error: errors.report(name, error))
+    with _lock:
+        _running[name] = _Running(made, name, made_from, spinning, start)
+    own.add_node(made)
+    spinning.start()
+    _tell("running", name)
+    return made  # type: ignore[return-value]
+
+
+def _announce(name: str) -> None:
+    """A node of this name is about to run: before its constructor, so that what that logs finds its place."""
+    errors.clear(name)
+    errors.reporting.add(name)
+    _tell("starting", name)
+
+
+def _recipe(node: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[str, ...]:
+    """What identifies a node made by the same call again, also after its class was redefined."""
+    if isinstance(node, type) and not issubclass(node, Node):
+        raise TypeError(
+            f"run() takes a class derived from rclpy.node.Node, and {node.__name__} is not one. "
+            f"Write: class {node.__name__}(Node)"
+        )
+    if not callable(node):
+        raise TypeError(f"run() takes a Node class or a node, not {type(node).__name__}. Write: run(Talker)")
+    name = f"{getattr(node, '__module__', '')}.{getattr(node, '__qualname__', repr(node))}"
+    return (name, repr(args), repr(sorted(kwargs.items())))
+
+
+class _Replacing(Node):
+    """Stands between a student's class and Node: destroys an earlier node of the name before the new one exists.
+
+    Were the new one constructed first, rcl would refuse it a /rosout publisher and its log lines would be lost.
+    """
+
+    def __init__(self, node_name: str, *args: Any, **kwargs: Any) -> None:
+        namespace = (kwargs.get("namespace") or "").strip("/")
+        name = "/" + "/".join(part for part in (namespace, node_name) if part)
+        _replace(name)
+        _constructing.name = name
+        _announce(name)
+        super().__init__(node_name, *args, **kwargs)
+
+
+def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Node:
+    if not isinstance(node, type):
+        made = node(*args, **kwargs)
+        if not isinstance(made, Node):
+            raise TypeError(f"run() got a callable that returned {type(made).__name__}, not a node")
+        return made
+    bases = (_Replacing,) if node is Node else (node, _Replacing)
+    make = type(node.__name__, bases, {"__module__": node.__module__, "__doc__": node.__doc__})
+    try:
+        return construct(make, args, kwargs)
+    except BaseException:
+        if _constructing.name:  # it was announced
+            _tell("failed", _constructing.name)
+        raise
+
+
+def _replace(name: str, unless: Node | None = None) -> None:
+    with _lock:
+        earlier = _running.get(name)
+    if earlier is not None and earlier.node is not unless:
+        stop(earlier.node)
+
+
+def _forget_ended(start: int) -> None:
+    """Drop the nodes of a context that has ended since: rclpy.shutdown() took them with it."""
+    with _lock:
+        ended = [r for r in _running.values() if r.start != start or not r.spinning.is_alive]
+        for entry in ended:
+            del _running[entry.name]
+    for entry in ended:
+        _end(entry)
+
+
+def stop(*which: Node | str | type[Node] | Process) -> None:
+    """Stop and destroy nodes: given by themselves, by name or by class. Stop processes, as start() returned them.
+
+    Without argument, all of both. A callback that still runs is interrupted. Stopping what is stopped does nothing.
+    Raises ValueError for a name that does not run.
+    """
+    for process in [one for one in which if isinstance(one, Process)]:
+        process.stop()
+    if not which:
+        processes.stop_all()
+    selected = [r for one in which if not isinstance(one, Process) for r in _select(one)]
+    for entry in selected if which else list(_running.values()):
+        with _lock:
+            if _running.get(entry.name) is not entry:
+                continue
+            del _running[entry.name]
+        _end(entry)
+
+
+def _select(which: Node | str | type[Node]) -> list[_Running]:
+    with _lock:
+        running = list(_running.values())
+    if isinstance(which, Node):
+        return [r for r in running if r.node is which]
+    if isinstance(which, type):
+        return [r for r in running if which.__qualname__ in {c.__qualname__ for c in type(r.node).__mro__[:-1]}]
+    name = "/" + which.strip("/")
+    found = [r for r in running if r.name == name]
+    if not found:
+        names = [r.name for r in running]
+        near = difflib.get_close_matches(name, names, n=1)
+        hint = f" Did you mean {near[0]}?" if near else f" Running: {', '.join(names) or 'none'}."
+        raise ValueError(f"no node {name} runs in the background of this notebook.{hint}")
+    return found
+
+
+def _end(entry: _Running) -> None:
+    """End the thread first, then destroy: a node that is destroyed while it is waited on raises InvalidHandle."""
+    entry.spinning.stop()
+    executor = entry.spinning.executor
+    with contextlib.suppress(Exception):  # a student may have destroyed it, or the whole context
+        executor.remove_node(entry.node)
+    destroy(entry.node)
+    with contextlib.suppress(Exception):
+        executor.shutdown(timeout_sec=0.5)
+    _tell("stopped", entry.name)
+
+
+def executor_of(node: Node) -> Executor | None:
+    """The executor that spins a node in the background, or None."""
+    for entry in list(_running.values()):
+        if entry.node is node and entry.spinning.is_alive:
+            return entry.spinning.executor
+    return None
+
+
+def is_running(node: Node) -> bool:
+    """Whether a node runs in the background."""
+    return executor_of(node) is not None
+
+
+def nodes() -> list[Node]:
+    """The nodes that run in the background, in the order in which they were started."""
+    return [r.node for r in list(_running.values()) if r.spinning.is_alive]
+
+
+@contextlib.contextmanager
+def running(*classes: Callable[..., Node], **kwargs: Any) -> Iterator[Any]:
+    """Run nodes for the length of a `with` block; gives the node, or a tuple of them if there are several."""
+    started: list[Node] = []
+    try:
+        started.extend(itertools.chain(run(one, **kwargs) for one in classes))
+        yield started[0] if len(started) == 1 else tuple(started)
+    finally:
+        for node in reversed(started):
+            stop(node)
+
+
+context.before_stop(stop)

@@ -1,0 +1,116 @@
+"""wait_for: waits in a cell for what happens in the background, with a timeout that says what did not come."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from course_kit.background import running
+from course_kit.programs import processes
+from course_kit.spinning import BlockingWait, executors
+
+
+class FutureLike(Protocol):
+    """What rclpy's futures have, and processes too."""
+
+    def done(self) -> bool: ...
+    def result(self) -> Any: ...
+    def add_done_callback(self, callback: Callable[[Any], None]) -> None: ...
+
+
+POLL = 0.01  # seconds between two looks at a condition
+
+
+def wait_for(awaited: FutureLike | Callable[[], Any], timeout: float = 5.0, what: str | None = None) -> Any:
+    """Wait for a future's result, or until a condition is true; return the result or the condition's value.
+
+    Of a process that start() returned, wait for the end; return its exit status.
+
+    `timeout` in seconds; `what` names the awaited thing in the error. Raises TimeoutError with what did not come
+    and what to look at, and BlockingWait if called from a callback. Stands for rclpy.spin_until_future_complete().
+    """
+    refuse_in_callback("wait_for()")
+    if hasattr(awaited, "add_done_callback"):
+        return _wait_for_future(awaited, timeout, what)  # type: ignore[arg-type]
+    if not callable(awaited):
+        raise TypeError(
+            f"wait_for() takes a future, as call_async() returns, or a function without arguments that says whether "
+            f"it is time to go on, not {type(awaited).__name__}. Write: wait_for(lambda: ...)"
+        )
+    return _wait_for_condition(awaited, timeout, what)
+
+
+def refuse_in_callback(what: str) -> None:
+    """Raise BlockingWait if a callback of a background node is running in this thread."""
+    if executors.current() is not None:
+        raise BlockingWait(
+            f"{what} inside a callback would wait for ever: the answer can only be delivered by the executor that is "
+            f"busy running this callback. Make the callback `async def` and await the future of call_async(), "
+            f"or add a done callback to it."
+        )
+
+
+def _wait_for_future(future: FutureLike, timeout: float, what: str | None) -> Any:
+    done = threading.Event()
+    future.add_done_callback(lambda _: done.set())
+    if not done.wait(timeout):
+        explain = getattr(future, "explain_wait", None)  # a process has it
+        described, hint = explain() if explain else (_describe_future(future), _hint(future))
+        raise TimeoutError(f"{what or described} did not come within {timeout:g} s. {hint}")
+    return future.result()
+
+
+def _wait_for_condition(condition: Callable[[], Any], timeout: float, what: str | None) -> Any:
+    deadline = time.monotonic() + timeout
+    while not (value := condition()):
+        if time.monotonic() >= deadline:
+            raise TimeoutError(
+                f"{what or _describe_condition(condition)} did not come true within {timeout:g} s. "
+                f"Is the node that should bring it running? nodes() lists those of this notebook, logs() what they say."
+                f"{_failed_processes()}"
+            )
+        time.sleep(POLL)
+    return value
+
+
+def _failed_processes() -> str:
+    failed = [f"`{process.name}` {process.state}" for process in processes.failed()]
+    return f" Among the processes, {' and '.join(failed)}." if failed else ""
+
+
+def _describe_condition(condition: Callable[[], Any]) -> str:
+    if condition.__name__ != "<lambda>":
+        return f"{condition.__name__}()"
+    try:
+        source = " ".join(inspect.getsource(condition).split())
+    except (OSError, TypeError):
+        return "the condition"
+    return f"the condition in `{textwrap.shorten(source, 100)}`"
+
+
+def _client_of(future: Any) -> Any:
+    """The client whose request a future belongs to, or None."""
+    for node in running.nodes():
+        for client in node.clients:
+            if future in list(getattr(client, "_pending_requests", {}).values()):
+                return client
+    return None
+
+
+def _describe_future(future: FutureLike) -> str:
+    client = _client_of(future)
+    return "the result of the future" if client is None else f"the response of the service {client.srv_name}"
+
+
+def _hint(future: FutureLike) -> str:
+    client = _client_of(future)
+    if client is None:
+        return "A future completes only while the node it belongs to runs: nodes() lists those that do."
+    kind = f"{client.srv_type.__module__.split('.')[0]}/srv/{client.srv_type.__name__}"
+    if client.service_is_ready():
+        return "The service is there, but its callback has not returned: logs() shows its errors."
+    return f"No node offers {client.srv_name} with the type {kind}: is the server running, under the same name?"

@@ -1,0 +1,113 @@
+"""The check that runs now: what it has found, what time is left, and the two domains it looks at."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from course_kit.examining.exercise import Exercise
+from course_kit.examining.station import Heard, Station
+from course_kit.examining.verdict import Finding
+
+POLL = 0.005
+WORKSPACE = "ros2_ws"  # the chapter's, beside the notebook
+ORDER_TIMEOUT = 3.0  # seconds for what the notebook's side does at once, even on a busy machine
+
+
+def beside_the_notebook(folder: Path) -> Path:
+    """The notebook's folder, where `folder` is that of its kernel: a cell may have gone into the workspace with %cd."""
+    inside = folder.parts.index(WORKSPACE) if WORKSPACE in folder.parts else len(folder.parts)
+    return Path(*folder.parts[:inside])
+
+
+class Ended(Exception):  # noqa: N818  (reads as what happened)
+    """Nothing more can be seen: what must hold first does not."""
+
+
+class OutOfTime(Exception):  # noqa: N818
+    """The time of the exercise is over."""
+
+
+class Examination:
+    """One check of one exercise."""
+
+    def __init__(
+        self,
+        exercise: Exercise,
+        stage: Station,
+        student: Station,
+        watched: dict[str, Heard],
+        order: Callable[[dict[str, Any], float], dict[str, Any]],
+        folder: Path = Path("/"),
+    ) -> None:
+        self.exercise = exercise
+        self.stage = stage  # a domain of the checker's, where a student's class is made anew
+        self.student = student  # the domain in which the student's nodes run
+        self.watched = watched  # what was heard in the student's domain since the chapter's first check, by topic
+        self.folder = beside_the_notebook(folder)
+        self.ending: list[Callable[[], Any]] = []  # what ends with the check, besides what the stations know
+        self.findings: list[Finding] = []
+        self.waiting_for = ""
+        self._order = order
+        self.begin_again()
+
+    def begin_again(self) -> None:
+        """Let the exercise's time begin now."""
+        self._deadline = time.monotonic() + self.exercise.timeout
+
+    # What was found.
+
+    def settle(self, text: str, ok: Any, hint: str = "", points: int = 0, needed: bool = False) -> bool:
+        """Note one finding. What has no points, or is `needed`, must hold: else the check ends here."""
+        holds = bool(ok)
+        self.findings.append(Finding(text, holds, "" if holds else self._with_errors(hint), points))
+        if not holds and (needed or points == 0):
+            raise Ended
+        return holds
+
+    def _with_errors(self, hint: str) -> str:
+        """The hint, and before it what a callback of the student's raised: that is the cause more often than not."""
+        errors = (self.order("errors").get("value") if self.exercise.node_class else None) or []
+        return f"{errors[-1]}\n    {hint}".strip() if errors else hint
+
+    # What time is left.
+
+    @property
+    def left(self) -> float:
+        return self._deadline - time.monotonic()
+
+    def wait(self, condition: Callable[[], Any], timeout: float, what: str = "", poll: float = POLL) -> bool:
+        """Wait until a condition holds; whether it did. Raises OutOfTime when the exercise's time is over."""
+        self.waiting_for = what
+        deadline = time.monotonic() + timeout
+        while not condition():
+            if self.left <= 0:
+                raise OutOfTime
+            if time.monotonic() >= deadline:
+                return False
+            time.sleep(poll)
+        return True
+
+    # The notebook's side.
+
+    def order(self, do: str, timeout: float = ORDER_TIMEOUT, **details: Any) -> dict[str, Any]:
+        """Have the notebook do something; its answer has a `value` or an `error`."""
+        return self._order({"do": do, "domain": self.stage.domain, **details}, max(0.1, min(timeout, self.left)))
+
+
+_current: Examination | None = None
+
+
+def begin(examination: Examination | None) -> None:
+    """Let the vocabulary speak about this examination; None after its end."""
+    global _current
+    _current = examination
+
+
+def now() -> Examination:
+    """The examination that runs."""
+    if _current is None:
+        raise RuntimeError("what a check expects can only be said while the checker runs it")
+    return _current

@@ -1,0 +1,43 @@
+"""Whether the nodes of an answer have found what the checker made: only then nothing is lost that is sent either way.
+
+A publisher drops what it sends before it has found a subscription, a server drops an answer if it has not found the
+client yet; and whoever waits for it cannot see that it has not been found. What a process makes is announced in order,
+so a node whose answer comes to a new client knows all that was made before it.
+"""
+
+from __future__ import annotations
+
+import time
+from itertools import chain
+from typing import Any
+
+from rcl_interfaces.srv import GetParameterTypes
+
+from course_kit.examining.examination import now
+from course_kit.examining.station import Station
+
+MEET_TIMEOUT = 5.0
+PERIOD = 0.5  # seconds from one request to the next while no answer comes
+EVERY_NODES = "/get_parameter_types"
+
+
+def meet(station: Station, offering: str = "") -> None:
+    """Wait until their nodes, or those that offer a service or an action, have found all that the checker made."""
+    servers = [
+        one.service_servers
+        for one in station.offered()
+        if not offering or offering in one.service_servers or offering in one.action_servers
+    ]
+    for service in [each for each in chain(*servers) if each.endswith(EVERY_NODES)]:
+        introduce(station, service, GetParameterTypes)
+
+
+def introduce(station: Station, service: str, service_type: Any) -> bool:
+    """Ask a harmless service until it answers, or MEET_TIMEOUT is over; whether it answered."""
+    client = station.hand.create_client(service_type, service)
+    answers: list[Any] = []
+    deadline = time.monotonic() + MEET_TIMEOUT
+    while not answers and time.monotonic() < deadline:
+        client.call_async(service_type.Request()).add_done_callback(answers.append)
+        now().wait(lambda: answers, PERIOD, f"an answer of {service}")
+    return bool(answers)

@@ -1,0 +1,63 @@
+"""What the student's nodes log, by the publisher that said it.
+
+Names do not tell a node from the one of the same name that ran before it, and times do so only where both are seen to
+come and go. Each node has a publisher of its own for /rosout, and each line comes with the publisher's id.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Collection
+from typing import Any, NamedTuple
+
+from rcl_interfaces.msg import Log
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+
+from course_kit.watching.rmw_subscription import SerializedSubscription, is_fast_dds
+
+TOPIC = "rt/rosout"  # /rosout, as the middleware spells it
+DEPTH = 10_000
+KEPT = 20_000  # lines
+
+
+class Line(NamedTuple):
+    """One line: when it was received (nanoseconds), its publisher's id, and the message."""
+
+    received: int
+    publisher: bytes
+    message: Any
+
+
+class NodeLog:
+    """The last 20,000 lines that were logged, also those that were logged shortly before. close() it in the end."""
+
+    def __init__(self, node: Node) -> None:
+        self._subscription = SerializedSubscription(node, TOPIC, "rcl_interfaces", "Log", DEPTH)
+        self._lines: deque[Line] = deque(maxlen=KEPT)
+        self._lock = threading.Lock()
+        # Cyclone DDS calls the sender of a message otherwise than the endpoint in the graph: there the name must do.
+        self._by_name = not is_fast_dds()
+
+    def take(self) -> None:
+        """Take what has come."""
+        with self._lock:
+            while (sample := self._subscription.take()) is not None:
+                message = deserialize_message(sample.data, Log)
+                self._lines.append(Line(sample.received, sample.publisher, message))
+
+    def lines(self, logger: str) -> list[Line]:
+        """What came under a logger's name so far."""
+        self.take()
+        with self._lock:
+            return [line for line in self._lines if line.message.name == logger]
+
+    def said_by(self, publishers: Collection[bytes], logger: str) -> list[Any]:
+        """The messages under a logger's name that came from these publishers."""
+        return [line.message for line in self.lines(logger) if self._by_name or line.publisher in publishers]
+
+    def close(self) -> None:
+        """End the subscription; before the node is destroyed."""
+        with self._lock:
+            self._subscription.close()

@@ -1,0 +1,238 @@
+"""The notebook's side of a check: does what the checker orders, and judges nothing.
+
+A student's class is made anew on the *stage*: a ROS context of this process in a domain of the checker's. There its
+node meets only what the exercise is about, and the nodes that the student runs are left alone.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import ctypes
+import threading
+import traceback
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import Executor, MultiThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+
+from course_kit.examining.domains import on_this_machine
+from course_kit.examining.lines import as_json
+from course_kit.spinning import NodeStopped
+from course_kit.spinning import context as ros_context
+from course_kit.spinning.executors import SpinThread, construct, destroy, executor_for
+
+STOP_TIMEOUT = 0.5
+KEPT_ERRORS = 20
+# rclpy 7.1.6 loses 0.1 MB with every node that has this service.
+WITHOUT_DESCRIPTIONS = [Parameter("start_type_description_service", value=False)]
+PACKAGE = Path(__file__).parents[1]
+THREADS = 4  # of a MultiThreadedExecutor, where an exercise asks for one
+
+_plain_init = rclpy.init
+
+
+class _OnStage(Node):
+    """Stands between a student's class and Node: puts the node on the stage.
+
+    It has no /rosout: rcl keeps one publisher for each name in a process, and that is the one of the node of the
+    same name that the student may have running.
+    """
+
+    _course_kit_context: Context
+
+    def __init__(self, node_name: str, **kwargs: Any) -> None:
+        options = {**kwargs, "context": self._course_kit_context, "enable_rosout": False}
+        options["parameter_overrides"] = [*(kwargs.get("parameter_overrides") or []), *WITHOUT_DESCRIPTIONS]
+        super().__init__(node_name, **options)
+
+
+class Stage:
+    """A context in a domain of its own, with at most one student's node."""
+
+    def __init__(self, domain: int) -> None:
+        self.domain = domain
+        ros_context.start()  # the first context of a process sets its logging up
+        self._context = Context()
+        with on_this_machine():
+            _plain_init(
+                args=ros_context.ARGUMENTS,
+                context=self._context,
+                domain_id=domain,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+        # Keeps the participant alive between checks, so that discovery need not begin again.
+        self._keeper = Node(
+            "_stage",
+            context=self._context,
+            enable_rosout=False,
+            start_parameter_services=False,
+            parameter_overrides=WITHOUT_DESCRIPTIONS,
+        )
+        self._node: Node | None = None
+        self._spinning: SpinThread | None = None
+        self._errors: list[str] = []
+
+    def start(self, node_class: type[Node], arguments: list[Any], threads: bool) -> None:
+        """Make a node of the class and spin it; whatever its constructor raises is raised."""
+        self.stop()
+        shim = type(
+            node_class.__name__,
+            (node_class, _OnStage),
+            {"__module__": node_class.__module__, "_course_kit_context": self._context},
+        )
+        node = construct(shim, arguments, {})
+        if node.context is not self._context:
+            node.destroy_node()
+            raise TypeError(f'{node_class.__name__}.__init__ must begin with super().__init__("name of the node")')
+        executor: Executor = (
+            MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else executor_for(node)
+        )
+        name = node.get_fully_qualified_name()
+        self._errors.clear()
+        self._node, self._spinning = node, SpinThread(name, executor, lambda error: self._note(name, error))
+        executor.add_node(node)
+        self._spinning.start()
+
+    def _note(self, name: str, error: Exception) -> None:
+        text = f"A callback of {name} raised {described(error)}."
+        if text not in self._errors[-1:] and len(self._errors) < KEPT_ERRORS:
+            self._errors.append(text)
+
+    def errors(self) -> list[str]:
+        """What the callbacks of the node raised."""
+        return list(self._errors)
+
+    @property
+    def node(self) -> Node:
+        if self._node is None:
+            raise RuntimeError("there is no node on the stage")
+        return self._node
+
+    def stop(self) -> None:
+        """Stop and destroy the node."""
+        node, spinning, self._node, self._spinning = self._node, self._spinning, None, None
+        if node is None or spinning is None:
+            return
+        spinning.stop(STOP_TIMEOUT)
+        with contextlib.suppress(Exception):
+            spinning.executor.remove_node(node)
+        destroy(node)
+        with contextlib.suppress(Exception):
+            spinning.executor.shutdown(timeout_sec=0.5)
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self.stop()
+        with contextlib.suppress(Exception):
+            self._keeper.destroy_node()
+        with contextlib.suppress(Exception):
+            self._context.try_shutdown()
+
+
+_stage: Stage | None = None
+
+
+def close() -> None:
+    """Close the stage, if there is one."""
+    global _stage
+    ending, _stage = _stage, None
+    if ending is not None:
+        ending.close()
+
+
+def _on(domain: int) -> Stage:
+    global _stage
+    if _stage is None or _stage.domain != domain:
+        close()
+        _stage = Stage(domain)
+        # Registered after those of the context, so called before them.
+        atexit.unregister(close)
+        atexit.register(close)
+    return _stage
+
+
+def obey(order: Mapping[str, Any], names: Mapping[str, Any]) -> dict[str, Any]:
+    """Do what an order says, with the notebook's variables `names`; return {"value": …} or {"error": …}."""
+    try:
+        return {"value": _ORDERS[order["do"]](order, names)}
+    except NodeStopped:
+        return {"error": "it did not return in time"}
+    except BaseException as error:  # a student's class may raise anything, SystemExit too
+        return {"error": f"{type(error).__name__}: {error}".splitlines()[0], "trace": described(error)}
+
+
+def described(error: BaseException) -> str:
+    """What was raised, and the lines of the student's that led there."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_plumbing(Path(f.filename))]
+    where = "".join(f", in line {f.lineno} of {f.name}: `{f.line}`" for f in frames[-1:])
+    return f"{type(error).__name__}: {error}{where}"
+
+
+def _is_plumbing(path: Path) -> bool:
+    return PACKAGE in path.parents or "rclpy" in path.parts or "site-packages" in path.parts
+
+
+def _has(order: Mapping[str, Any], names: Mapping[str, Any]) -> bool:
+    return isinstance(names.get(order["node_class"]), type)
+
+
+def _start(order: Mapping[str, Any], names: Mapping[str, Any]) -> None:
+    node_class = names[order["node_class"]]
+    if not issubclass(node_class, Node):
+        raise TypeError(
+            f"{order['node_class']} is not derived from rclpy.node.Node. Write: class {order['node_class']}(Node)"
+        )
+    _on(order["domain"]).start(node_class, order.get("arguments", []), order.get("threads", False))
+
+
+def _call(order: Mapping[str, Any], _: Mapping[str, Any]) -> Any:
+    return as_json(getattr(_on(order["domain"]).node, order["method"])(*order["arguments"]))
+
+
+def _read(order: Mapping[str, Any], _: Mapping[str, Any]) -> Any:
+    return as_json(getattr(_on(order["domain"]).node, order["attribute"]))
+
+
+def _pending(order: Mapping[str, Any], _: Mapping[str, Any]) -> int:
+    """How many calls of the node's clients still wait for an answer."""
+    return sum(len(client._pending_requests) for client in _on(order["domain"]).node.clients)
+
+
+def _ready(order: Mapping[str, Any], _: Mapping[str, Any]) -> bool:
+    """Whether each of the node's clients has found a server."""
+    return all(client.service_is_ready() for client in _on(order["domain"]).node.clients)
+
+
+_ORDERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Any]] = {
+    "has": _has,
+    "start": _start,
+    "stop": lambda order, _: _on(order["domain"]).stop(),
+    "call": _call,
+    "read": _read,
+    "pending": _pending,
+    "ready": _ready,
+    "errors": lambda order, _: _on(order["domain"]).errors(),
+}
+
+
+class Obeying:
+    """Obeys one order in a thread of its own, so that what a student wrote can neither block nor end the notebook."""
+
+    def __init__(
+        self, order: Mapping[str, Any], names: Mapping[str, Any], done: Callable[[dict[str, Any]], None]
+    ) -> None:
+        self._thread = threading.Thread(target=lambda: done(obey(order, names)), name="course_kit check", daemon=True)
+        self._thread.start()
+
+    def interrupt(self) -> None:
+        """Have it end, if it still runs: a Python loop at once, a sleep when it is over."""
+        if self._thread.is_alive() and self._thread.ident is not None:
+            ident = ctypes.c_ulong(self._thread.ident)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ident, ctypes.py_object(NodeStopped))

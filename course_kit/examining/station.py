@@ -1,0 +1,247 @@
+"""The checker's side of a ROS domain: a node that knows the graph, and what a check needs for its length."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from rclpy.signals import SignalHandlerOptions
+
+from course_kit.examining.domains import on_this_machine
+from course_kit.examining.node_log import NodeLog
+from course_kit.examining.stage import WITHOUT_DESCRIPTIONS
+from course_kit.ros_graph import discovery, graph
+from course_kit.spinning import context as ros_context
+from course_kit.spinning.executors import SpinThread, destroy, executor_for
+from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
+
+DEPTH = 10_000
+LOG_PERIOD = 0.2  # seconds between two looks at what was logged
+KEPT = 20_000  # messages of one subscription
+
+_plain_init = rclpy.init
+
+
+class Heard:
+    """The messages of one topic, in order, with the times (nanoseconds) at which the middleware received them."""
+
+    def __init__(self, message_type: Any) -> None:
+        self._type = message_type
+        self._kept: list[tuple[int, int, bytes]] = []
+        self._lock = threading.Lock()
+        self.received = 0  # messages in all, also those no longer kept
+        self.subscription: RawSubscription | None = None
+
+    def receive(self, serialised: bytes, info: dict[str, Any]) -> None:
+        with self._lock:
+            self.received += 1
+            if len(self._kept) >= KEPT:
+                del self._kept[: KEPT // 10]
+            self._kept.append((info["received_timestamp"], info["publication_sequence_number"], serialised))
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    @property
+    def times(self) -> list[int]:
+        with self._lock:
+            return [when for when, _, _ in self._kept]
+
+    def times_of(self, belongs: Callable[[Any], bool]) -> list[int]:
+        """The times of the messages that `belongs` picks."""
+        with self._lock:
+            kept = list(self._kept)
+        return [when for when, _, one in kept if belongs(deserialize_message(one, self._type))]
+
+    @property
+    def publisher_count(self) -> int:
+        """How many publishers are matched."""
+        return self.subscription.publisher_count if self.subscription is not None else 0
+
+    @property
+    def messages(self) -> list[Any]:
+        with self._lock:
+            kept = list(self._kept)
+        return [deserialize_message(serialised, self._type) for _, _, serialised in kept]
+
+    def since_restart(self) -> list[Any]:
+        """The messages of the last of its publishers: each counts its own from 1."""
+        with self._lock:
+            kept = list(self._kept)
+        starts = [0, *(place for place in range(1, len(kept)) if kept[place][1] <= kept[place - 1][1])]
+        return [deserialize_message(one, self._type) for _, _, one in kept[starts[-1] :]]
+
+    @property
+    def last(self) -> Any:
+        with self._lock:
+            serialised = self._kept[-1][2]
+        return deserialize_message(serialised, self._type)
+
+    def close(self) -> None:
+        if self.subscription is not None:
+            self.subscription.close()
+
+
+class Station:
+    """One ROS context of the checker. Its nodes are hidden, `mine` has the names of those that are not."""
+
+    def __init__(self, domain: int | None, only_here: bool) -> None:
+        """`domain` None: the student's, from the environment. `only_here`: speak with this machine only."""
+        self.context = Context()
+        with on_this_machine() if only_here else contextlib.nullcontext():
+            _plain_init(
+                args=ros_context.ARGUMENTS,
+                context=self.context,
+                domain_id=domain,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+        self.domain: int = self.context.get_domain_id()
+        self._made = 0
+        self.node = self._plain_node("graph")
+        self.discovery = discovery.of(self.node)
+        self.errors: list[Exception] = []
+        self._watcher = Watcher(self.node, self.errors.append)
+        self._spinning: list[SpinThread] = []
+        self._hand: Node | None = None
+        self._opened: list[Heard] = []
+        self._node_log: NodeLog | None = None
+        self.mine: set[str] = set()
+        self.discovery.keep(self.node)
+        self._graph_thread = self._spin(self.node)
+
+    def _spin(self, node: Node) -> SpinThread:
+        executor = executor_for(node)
+        spinning = SpinThread(node.get_name(), executor, self.errors.append)
+        executor.add_node(node)
+        spinning.start()
+        return spinning
+
+    # The graph.
+
+    def known(self, timeout: float) -> bool:
+        """Wait until the whole graph is known."""
+        return self.discovery.wait(timeout)
+
+    def their_nodes(self) -> list[str]:
+        """The nodes that are not the checker's, by their full names; hidden ones not."""
+        return [n.full_name for n in graph.nodes(self.node) if n.full_name not in self.mine]
+
+    def publishers(self, topic: str) -> list[Any]:
+        """The publishers of a topic that are not the checker's."""
+        return [e for e in graph.publishers(self.node, topic) if self._is_theirs(e)]
+
+    def subscriptions(self, topic: str) -> list[Any]:
+        """The subscriptions to a topic that are not the checker's."""
+        return [e for e in graph.subscriptions(self.node, topic) if self._is_theirs(e)]
+
+    def _is_theirs(self, endpoint: Any) -> bool:
+        name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+        return name not in self.mine and not endpoint.node_name.startswith("_")
+
+    def offered(self) -> list[graph.Interfaces]:
+        """What each of their nodes offers and uses."""
+        found = []
+        for name in self.their_nodes():
+            with contextlib.suppress(Exception):  # it has gone meanwhile
+                found.append(graph.interfaces(self.node, graph.NodeName.of(name)))
+        return found
+
+    # What lasts as long as a check.
+
+    def listen(self, topic: str, message_type: Any) -> Heard:
+        """Subscribe to a topic; with the reliability of its publishers, and without what they kept for newcomers."""
+        published = graph.publishers(self.node, topic)
+        best_effort = any(p.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for p in published)
+        qos = QoSProfile(
+            depth=DEPTH,
+            reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.VOLATILE,
+        )
+        heard = Heard(message_type)
+        heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
+        self._opened.append(heard)
+        return heard
+
+    def keep(self, heard: Heard) -> None:
+        """Have a subscription outlast the check."""
+        self._opened.remove(heard)
+
+    def node_log(self) -> NodeLog:
+        """What the nodes log, from the first call on."""
+        if self._node_log is None:
+            self._node_log = NodeLog(self.node)
+            self.node.create_timer(LOG_PERIOD, self._node_log.take)
+        return self._node_log
+
+    @property
+    def hand(self) -> Node:
+        """A node for publishers and clients, which ends with the check."""
+        if self._hand is None:
+            self._hand = self.spin(lambda: self._plain_node("hand"), hidden=True)
+        return self._hand
+
+    def _plain_node(self, name: str) -> Node:
+        self._made += 1
+        return Node(
+            f"_checker_{os.getpid()}_{name}_{self._made}",
+            context=self.context,
+            enable_rosout=False,
+            start_parameter_services=False,
+            parameter_overrides=WITHOUT_DESCRIPTIONS,
+        )
+
+    def node_for(self, prepare: Callable[[Node], Any]) -> Node:
+        """A node in a thread of its own that ends with the check; `prepare` gives it what it serves."""
+
+        def make() -> Node:
+            node = self._plain_node("server")
+            prepare(node)
+            return node
+
+        return self.spin(make, hidden=True)
+
+    def spin(self, make: Callable[[], Node], hidden: bool = False) -> Node:
+        """Make a node and spin it until the check ends."""
+        node = make()
+        if not hidden:
+            self.mine.add(node.get_fully_qualified_name())
+        self._spinning.append(self._spin(node))
+        return node
+
+    def tidy(self) -> None:
+        """End what was opened for a check."""
+        for heard in self._opened:
+            heard.close()
+        self._opened.clear()
+        for spinning in reversed(self._spinning):
+            nodes = list(spinning.executor.get_nodes())
+            spinning.stop(1.0)
+            for node in nodes:
+                with contextlib.suppress(Exception):
+                    spinning.executor.remove_node(node)
+                destroy(node)
+            with contextlib.suppress(Exception):
+                spinning.executor.shutdown(timeout_sec=0.5)
+        self._spinning.clear()
+        self._hand = None
+        self.mine.clear()
+        self.errors.clear()
+
+    def close(self) -> None:
+        """End the context, in good order: a node that just dies stays in the graph for seconds."""
+        self.tidy()
+        self._watcher.stop()
+        if self._node_log is not None:
+            self._node_log.close()
+        discovery.forget(self.node)
+        self._graph_thread.stop()
+        destroy(self.node)
+        self.context.try_shutdown()

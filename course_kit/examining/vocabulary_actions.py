@@ -1,0 +1,157 @@
+"""What checks say about actions: who offers one, how its goals go and end; and a server of the checker's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.node import Node
+from rclpy.task import Future
+
+from course_kit.examining.examination import now
+from course_kit.examining.introduction import meet
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import nearest, settle_timeout
+from course_kit.examining.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT
+
+WORDS = {
+    GoalStatus.STATUS_UNKNOWN: "unknown",
+    GoalStatus.STATUS_ACCEPTED: "accepted",
+    GoalStatus.STATUS_EXECUTING: "executing",
+    GoalStatus.STATUS_CANCELING: "canceling",
+    GoalStatus.STATUS_SUCCEEDED: "succeeded",
+    GoalStatus.STATUS_CANCELED: "canceled",
+    GoalStatus.STATUS_ABORTED: "aborted",
+}
+
+
+def _actions() -> dict[str, list[str]]:
+    return {name: types for one in now().stage.offered() for name, types in one.action_servers.items()}
+
+
+def expect_action(name: str, action_type: Any) -> None:
+    """The answer offers an action of this type."""
+    now().wait(lambda: name in _actions(), settle_timeout())
+    there = _actions()
+    hint = f"Nobody offers the action `{name}`. {nearest(name, list(there))}"
+    hint += f"Your node offers {', '.join(there)}. " if there else "Your node offers none. "
+    now().settle(f"it offers the action `{name}`", name in there, f"{hint}`%ros2 action list -t` shows them.")
+    wanted = f"{action_type.__module__.split('.')[0]}/action/{action_type.__name__}"
+    now().settle(f"`{name}` has the type `{wanted}`", there[name] == [wanted], f"Its type is {', '.join(there[name])}.")
+
+
+@dataclass
+class Goal:
+    """A goal that was sent, and what became of it so far."""
+
+    heard: Heard  # the action's feedback topic
+    accepted: bool | None = None  # None: no answer came
+    status: int | None = None
+    result: Any = None
+    handle: Any = None
+    cancelling: bool | None = None  # whether the server agreed to cancel
+
+    @property
+    def word(self) -> str:
+        """The status in a word."""
+        return "without an end" if self.status is None else WORDS.get(self.status, str(self.status))
+
+    def _is_mine(self, message: Any) -> bool:
+        return self.handle is not None and bytes(message.goal_id.uuid) == bytes(self.handle.goal_id.uuid)
+
+    @property
+    def feedback(self) -> list[Any]:
+        """The feedback that came, also what came after the end."""
+        return [message.feedback for message in self.heard.messages if self._is_mine(message)]
+
+    @property
+    def period(self) -> float:
+        """Seconds between two feedbacks; 0 below two."""
+        times = self.heard.times_of(self._is_mine)
+        return (times[-1] - times[0]) * 1e-9 / (len(times) - 1) if len(times) > 1 else 0.0
+
+    def note_result(self, future: Any) -> None:
+        answer = future.result()
+        self.result, self.status = answer.result, answer.status
+
+    def wait(self, timeout: float) -> bool:
+        """Wait for the result."""
+        return now().wait(lambda: self.status is not None, timeout, "the result of the goal")
+
+    def cancel(self) -> None:
+        """Ask the server to cancel it, and wait for what it says to that."""
+        done: list[Any] = []
+        self.handle.cancel_goal_async().add_done_callback(done.append)
+        now().wait(lambda: done, ANSWER_TIMEOUT, "the answer to a request to cancel")
+        self.cancelling = bool(done and done[0].result().goals_canceling)
+
+
+class Client:
+    """An action client of the checker's on the stage."""
+
+    def __init__(self, name: str, action_type: Any) -> None:
+        self._type = action_type
+        clients: list[ActionClient] = []
+        now().stage.node_for(lambda node: clients.append(ActionClient(node, action_type, name)))
+        self._client = clients[0]
+        now().wait(self._client.server_is_ready, CONNECT_TIMEOUT, f"the action {name}")
+        # Heard on its own: an ActionClient drops what comes after the result.
+        self._heard = now().stage.listen(f"{name}/_action/feedback", action_type.Impl.FeedbackMessage)
+        now().wait(lambda: self._heard.publisher_count, CONNECT_TIMEOUT, f"the feedback of {name}")
+        meet(now().stage, name)
+
+    def send(self, **fields: Any) -> Goal:
+        """Send a goal and wait until it is accepted or rejected."""
+        goal = Goal(self._heard)
+        done: list[Any] = []
+        message = self._type.Goal(**fields)
+        self._client.send_goal_async(message).add_done_callback(done.append)
+        if now().wait(lambda: done, ANSWER_TIMEOUT, "the answer to a goal"):
+            goal.handle = done[0].result()
+            goal.accepted = bool(goal.handle.accepted)
+            if goal.accepted:
+                goal.handle.get_result_async().add_done_callback(goal.note_result)
+        return goal
+
+
+class FibonacciServer:
+    """The chapter's action `fibonacci`, ten numbers a second, on the stage: notes orders, cancels and feedback."""
+
+    def __init__(self, can_cancel: bool = True, period: float = 0.1) -> None:
+        self.orders: list[int] = []
+        self.published = 0
+        self.cancelled_after: int | None = None  # feedback messages
+        self.ended: list[str] = []
+        self._period, self._can_cancel = period, can_cancel
+        self._node = now().stage.node_for(self._prepare)
+
+    def _prepare(self, node: Node) -> None:
+        self._node = node
+        ActionServer(node, Fibonacci, "fibonacci", self._execute, cancel_callback=self._on_cancel)
+
+    def _on_cancel(self, _: Any) -> CancelResponse:
+        if self.cancelled_after is None:
+            self.cancelled_after = self.published
+        return CancelResponse.ACCEPT if self._can_cancel else CancelResponse.REJECT
+
+    async def _execute(self, goal: Any) -> Fibonacci.Result:
+        self.orders.append(goal.request.order)
+        sequence = [0, 1]
+        while len(sequence) <= goal.request.order:
+            pause = Future()
+            timer = self._node.create_timer(self._period, lambda pause=pause: pause.set_result(None))
+            await pause
+            self._node.destroy_timer(timer)
+            if goal.is_cancel_requested:
+                goal.canceled()
+                self.ended.append("canceled")
+                return Fibonacci.Result(sequence=sequence)
+            sequence.append(sequence[-1] + sequence[-2])
+            self.published += 1
+            goal.publish_feedback(Fibonacci.Feedback(sequence=sequence))
+        goal.succeed()
+        self.ended.append("succeeded")
+        return Fibonacci.Result(sequence=sequence)

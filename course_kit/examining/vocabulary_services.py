@@ -1,0 +1,138 @@
+"""What checks say about services: who serves, what is answered, and when; and servers of the checker's own."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from rclpy.node import Node
+
+from course_kit.examining.examination import now
+from course_kit.examining.introduction import meet
+from course_kit.examining.station import Station
+from course_kit.examining.vocabulary import nearest, settle_timeout
+
+CONNECT_TIMEOUT = 5.0
+ANSWER_TIMEOUT = 5.0  # seconds; what is lost on a busy machine is sent again within 3
+
+
+def _services() -> dict[str, list[str]]:
+    offered = now().stage.offered()
+    return {name: types for one in offered for name, types in one.service_servers.items() if not _is_every_nodes(name)}
+
+
+def _is_every_nodes(name: str) -> bool:
+    last = name.rsplit("/", 1)[1]
+    return "parameter" in last or last == "get_type_description"
+
+
+def service_type_name(service_type: Any) -> str:
+    """Such as 'std_srvs/srv/SetBool'."""
+    return f"{service_type.__module__.split('.')[0]}/srv/{service_type.__name__}"
+
+
+def expect_service(name: str, service_type: Any) -> None:
+    """The answer offers a service of this type."""
+    now().wait(lambda: name in _services(), settle_timeout())
+    there = _services()
+    hint = f"Nobody serves `{name}`. {nearest(name, list(there))}"
+    hint += f"Your node serves {', '.join(there)}. " if there else "Your node has no service of its own. "
+    now().settle(f"it serves `{name}`", name in there, f"{hint}`%ros2 service list -t` shows them.")
+    wanted = service_type_name(service_type)
+    hint = (
+        f"Its type is {', '.join(there[name])}. A client of another type waits for ever: "
+        f"`%ros2 service type {name}` shows it."
+    )
+    now().settle(f"`{name}` has the type `{wanted}`", there[name] == [wanted], hint)
+
+
+@dataclass
+class Answer:
+    """What came back from a call; `response` is None if nothing did."""
+
+    response: Any
+    seconds: float
+
+
+class Client:
+    """A client of the checker's, on the stage if not told otherwise."""
+
+    def __init__(self, name: str, service_type: Any, station: Station | None = None) -> None:
+        self._name, self._type = name, service_type
+        station = station or now().stage
+        self._client = station.hand.create_client(service_type, name)
+        now().wait(self._client.service_is_ready, CONNECT_TIMEOUT, f"the service {name}")
+        meet(station, name)
+
+    def ask(self, timeout: float = ANSWER_TIMEOUT, **request: Any) -> Answer:
+        """Call, and wait for the response."""
+        return self.ask_all(timeout, [request])[0]
+
+    def ask_all(self, timeout: float, requests: list[dict[str, Any]]) -> list[Answer]:
+        """Send several requests at once, and wait for all responses; without a server there are none."""
+        if not self._client.service_is_ready():
+            return [Answer(None, timeout) for _ in requests]
+        began = time.monotonic()
+        done: dict[int, float] = {}
+        futures = []
+        for number, fields in enumerate(requests):
+            future = self._client.call_async(self._type.Request(**fields))
+            future.add_done_callback(lambda _, number=number: done.setdefault(number, time.monotonic() - began))
+            futures.append(future)
+        now().wait(lambda: len(done) == len(futures), timeout, f"the response of {self._name}")
+        answers = []
+        for number, future in enumerate(futures):
+            if number in done:
+                answers.append(Answer(future.result(), done[number]))
+            else:
+                self._client.remove_pending_request(future)
+                answers.append(Answer(None, timeout))
+        return answers
+
+
+def no_answer(name: str, timeout: float = ANSWER_TIMEOUT) -> str:
+    """The hint for a call that did not come back."""
+    return (
+        f"No response of `{name}` within {timeout:g} s. Does the callback return the response, on every way through "
+        f'it? Does it wait for something that its own node must deliver? `logs(level="ERROR")` shows what it raised.'
+    )
+
+
+@dataclass
+class Server:
+    """A server of the checker's on the stage, which notes what it was asked and what it answered."""
+
+    answer: Callable[[Any, Any], Any]
+    delay: float = 0.0
+    requests: list[Any] = field(default_factory=list)
+    responses: list[Any] = field(default_factory=list)
+    ended: threading.Event = field(default_factory=threading.Event)
+
+    def serve(self, request: Any, response: Any) -> Any:
+        self.requests.append(request)
+        if self.delay:
+            self.ended.wait(self.delay)
+        answered = self.answer(request, response)
+        self.responses.append(answered)
+        return answered
+
+
+def a_server(name: str, service_type: Any, answer: Callable[[Any, Any], Any]) -> Server:
+    """Serve a service on the stage until the check ends."""
+    server = Server(answer)
+
+    def prepare(node: Node) -> None:
+        node.create_service(service_type, name, server.serve)
+
+    now().stage.node_for(prepare)
+    now().ending.append(server.ended.set)  # what still waits in a callback would keep the node in the graph
+    return server
+
+
+def add_two_ints(request: Any, response: Any) -> Any:
+    """What the chapter's server answers."""
+    response.sum = request.a + request.b
+    return response

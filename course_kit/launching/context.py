@@ -1,0 +1,130 @@
+"""What the actions of a launch share: the values of arguments, the environment, event handlers and waiting events."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections import Counter, deque
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from course_kit.launching.events import Event
+    from course_kit.launching.handlers import EventHandler
+    from course_kit.launching.substitutions import Substitution
+
+
+class Locals:
+    """What is known only while an event is handled, as attributes: `context.locals.event`."""
+
+    def __init__(self, values: dict[str, Any]) -> None:
+        self.__dict__.update(values)
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"context.locals has no '{name}' here")
+
+
+class LaunchContext:
+    """The state of one launch."""
+
+    def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = False) -> None:
+        self.argv = list(argv or ())
+        self.noninteractive = noninteractive
+        self.launch_configurations: dict[str, Any] = {}
+        self.is_shutdown = False
+        self.events: deque[Event] = deque()
+        self._arrival: asyncio.Future[None] | None = None
+        self.handlers: deque[EventHandler] = deque()
+        self.node_names: Counter[str] = Counter()
+        self.temporary_files: list[str] = []
+        self.token = ""  # marks the processes of this launch
+        self.group_interrupted = False  # a Ctrl-C reached every process by itself
+        self.loop: asyncio.AbstractEventLoop | None = None
+        self._locals: dict[str, Any] = {}
+        self._locals_stack: list[dict[str, Any]] = []
+        self._configurations_stack: list[dict[str, Any]] = []
+        self._environment_stack: list[dict[str, str]] = []
+
+    @property
+    def asyncio_loop(self) -> asyncio.AbstractEventLoop:
+        """The event loop of the running launch."""
+        assert self.loop is not None, "the launch is not running"
+        return self.loop
+
+    @property
+    def environment(self) -> os._Environ[str]:
+        """The environment that processes are started with; a launch file may change it."""
+        return os.environ
+
+    @property
+    def locals(self) -> Locals:
+        """Values of the event that is being handled and of the launch file."""
+        return Locals(self._locals)
+
+    def get_locals_as_dict(self) -> dict[str, Any]:
+        """The same, as a dictionary."""
+        return self._locals
+
+    def extend_locals(self, values: dict[str, Any]) -> None:
+        """Add local values; they last as long as the event is handled."""
+        self._locals = {**self._locals, **values}
+
+    def forget_locals(self, names: Iterable[str]) -> None:
+        """Take local values away."""
+        self._locals = {name: value for name, value in self._locals.items() if name not in set(names)}
+
+    def push_locals(self) -> None:
+        self._locals_stack.append(self._locals)
+
+    def pop_locals(self) -> None:
+        self._locals = self._locals_stack.pop()
+
+    def push_configurations(self) -> None:
+        self._configurations_stack.append(dict(self.launch_configurations))
+
+    def pop_configurations(self) -> None:
+        self.launch_configurations = self._configurations_stack.pop()
+
+    def push_environment(self) -> None:
+        self._environment_stack.append(dict(os.environ))
+
+    def pop_environment(self) -> None:
+        before = self._environment_stack.pop()
+        if before != dict(os.environ):
+            os.environ.clear()
+            os.environ.update(before)
+
+    def perform_substitution(self, substitution: Substitution) -> str:
+        """The text of a substitution."""
+        return substitution.perform(self)
+
+    def register_event_handler(self, handler: EventHandler, append: bool = False) -> None:
+        """Add a handler: before the others, so that the newest comes first, or behind them."""
+        if append:
+            self.handlers.append(handler)
+        else:
+            self.handlers.appendleft(handler)
+
+    def unregister_event_handler(self, handler: EventHandler) -> None:
+        """Remove a handler."""
+        if handler in self.handlers:
+            self.handlers.remove(handler)
+
+    def would_handle_event(self, event: Event) -> bool:
+        """Whether some handler takes the event."""
+        return any(handler.matches(event) for handler in self.handlers)
+
+    def emit_event_sync(self, event: Event) -> None:
+        """Have an event handled after those that wait already."""
+        self.events.append(event)
+        if self._arrival is not None and not self._arrival.done():
+            self._arrival.set_result(None)
+
+    def next_arrival(self) -> asyncio.Future[None]:
+        """Done when an event comes that has to be handled."""
+        self._arrival = self.asyncio_loop.create_future()
+        return self._arrival
+
+    async def emit_event(self, event: Event) -> None:
+        """The same, for coroutines."""
+        self.emit_event_sync(event)

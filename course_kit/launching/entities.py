@@ -1,0 +1,139 @@
+"""What a launch description is made of: entities, of which actions are those that do something."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from course_kit.launching import output
+from course_kit.launching.context import LaunchContext
+from course_kit.launching.events import ExecutionComplete
+from course_kit.launching.uncovered import REAL, NotCoveredError
+
+if TYPE_CHECKING:
+    from course_kit.launching.conditions import Condition
+
+Entities = Sequence["LaunchDescriptionEntity"] | None
+# Packages and modules that the real classes come from, where the name does not say it: for --print.
+_PLACES = {
+    "LaunchDescription": "launch.launch_description",
+    "Shutdown": "launch.actions.shutdown_action",
+    "Node": "launch_ros.actions.node",
+    "PushROSNamespace": "launch_ros.actions.push_ros_namespace",
+}
+
+
+class LaunchDescriptionEntity:
+    """Something that can be visited; what it gives is visited next."""
+
+    def visit(self, context: LaunchContext) -> Entities:
+        """Do what it stands for; return what is to be visited next."""
+        return None
+
+    def describe_sub_entities(self) -> Entities:
+        """What is always visited with it."""
+        return []
+
+    def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
+        """What is visited with it under a condition: (when, entities)."""
+        return []
+
+    def get_asyncio_future(self) -> asyncio.Future[None] | None:
+        """Done when it is; None for what is done at once."""
+        return None
+
+    def __repr__(self) -> str:
+        name = type(self).__name__
+        snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+        return f"<{_PLACES.get(name, f'launch.actions.{snake}')}.{name} object at {hex(id(self))}>"
+
+
+class Action(LaunchDescriptionEntity):
+    """Something to be done, if its condition holds."""
+
+    def __init__(self, *, condition: Condition | None = None, **unknown: Any) -> None:
+        if unknown:
+            raise NotCoveredError(
+                f"{type(self).__name__} does not know the argument {next(iter(unknown))!r} here: "
+                f"if it is right, it needs {REAL}"
+            )
+        self.condition = condition
+
+    def describe(self) -> str:
+        return repr(self)
+
+    def describe_sub_entities(self) -> Entities:
+        return self.get_sub_entities() if self.condition is None else []
+
+    def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
+        return [("Conditionally included by condition", self.get_sub_entities() or [])] if self.condition else []
+
+    def get_sub_entities(self) -> Entities:
+        """What is visited with it if its condition holds."""
+        return []
+
+    def visit(self, context: LaunchContext) -> Entities:
+        if self.condition is not None and not self.condition.evaluate(context):
+            return None
+        try:
+            return self.execute(context)
+        finally:
+            self._announce(context)
+
+    def _announce(self, context: LaunchContext) -> None:
+        event = ExecutionComplete(action=self)
+        if not context.would_handle_event(event):
+            return
+        future = self.get_asyncio_future()
+        if future is None:
+            context.emit_event_sync(event)
+        else:
+            future.add_done_callback(lambda _: context.emit_event_sync(event))
+
+    def execute(self, context: LaunchContext) -> Entities:
+        """Do it."""
+        raise NotImplementedError(f"{type(self).__name__} has no execute()")
+
+
+class LaunchDescription(LaunchDescriptionEntity):
+    """What a launch file's generate_launch_description() returns: a list of entities."""
+
+    def __init__(
+        self, initial_entities: Iterable[LaunchDescriptionEntity] | None = None, *, deprecated_reason: str | None = None
+    ) -> None:
+        self.entities: list[LaunchDescriptionEntity] = list(initial_entities or ())
+        self.deprecated_reason = deprecated_reason
+
+    def visit(self, context: LaunchContext) -> Entities:
+        if self.deprecated_reason is not None:
+            path = context.get_locals_as_dict().get("current_launch_file_path")
+            what = f"launch file [{path}] is deprecated" if path else "deprecated launch description"
+            output.get_logger().warning(f"{what}: {self.deprecated_reason}")
+        return self.entities
+
+    def describe_sub_entities(self) -> Entities:
+        return self.entities
+
+    def add_entity(self, entity: LaunchDescriptionEntity) -> None:
+        """Add an entity at the end."""
+        self.entities.append(entity)
+
+    def add_action(self, action: LaunchDescriptionEntity) -> None:
+        """Add an action at the end."""
+        self.add_entity(action)
+
+
+def visit_all(entity: LaunchDescriptionEntity, context: LaunchContext) -> list[asyncio.Future[None]]:
+    """Visit an entity and what it leads to, depth first; return the futures of those that are not done yet."""
+    if not isinstance(entity, LaunchDescriptionEntity):
+        raise RuntimeError(f"expected an action or another launch description entity, got {entity!r}")
+    futures: list[asyncio.Future[None]] = []
+    next_ones = entity.visit(context)
+    for one in next_ones or ():
+        futures += visit_all(one, context)
+    future = entity.get_asyncio_future()
+    if future is not None:
+        futures.append(future)
+    return futures

@@ -1,0 +1,143 @@
+"""Actions about events: wait for them, cause them, wait for a time, shut down."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterable
+from typing import Any
+
+from course_kit.launching import events, output
+from course_kit.launching.actions import is_substitution
+from course_kit.launching.context import LaunchContext
+from course_kit.launching.entities import Action, Entities, LaunchDescriptionEntity
+from course_kit.launching.handlers import EventHandler, OnShutdown
+from course_kit.launching.substitutions import SomeSubstitutions, as_bool, normalize, perform
+
+
+class EmitEvent(Action):
+    """Causes an event."""
+
+    def __init__(self, *, event: events.Event, **options: Any) -> None:
+        super().__init__(**options)
+        if not isinstance(event, events.Event):
+            raise RuntimeError(f"EmitEvent() expected an event instance, got '{type(event)}' instead.")
+        self.event = event
+
+    def execute(self, context: LaunchContext) -> Entities:
+        context.emit_event_sync(self.event)
+        return None
+
+
+class Shutdown(EmitEvent):
+    """Ends the launch."""
+
+    def __init__(self, *, reason: str = "reason not given", **options: Any) -> None:
+        super().__init__(event=events.Shutdown(reason=reason, due_to_sigint=False), **options)
+
+    def execute(self, context: LaunchContext) -> Entities:
+        event = context.get_locals_as_dict().get("event")
+        if isinstance(event, events.ProcessExited):
+            output.get_logger("launch").info(
+                f"process[{event.process_name}] was required: shutting down launched system"
+            )
+        return super().execute(context)
+
+
+class RegisterEventHandler(Action):
+    """Adds an event handler."""
+
+    def __init__(self, event_handler: EventHandler, **options: Any) -> None:
+        super().__init__(**options)
+        if not isinstance(event_handler, EventHandler):
+            raise TypeError(f"RegisterEventHandler expected an event handler, got {event_handler!r}")
+        self.event_handler = event_handler
+
+    def execute(self, context: LaunchContext) -> Entities:
+        context.register_event_handler(self.event_handler)
+        return None
+
+    def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
+        description, entities = self.event_handler.describe()
+        return [(description, entities)]
+
+
+class UnregisterEventHandler(Action):
+    """Takes an event handler away."""
+
+    def __init__(self, event_handler: EventHandler, **options: Any) -> None:
+        super().__init__(**options)
+        self.event_handler = event_handler
+
+    def execute(self, context: LaunchContext) -> Entities:
+        context.unregister_event_handler(self.event_handler)
+        return None
+
+
+class TimerAction(Action):
+    """Visits other actions after `period` seconds."""
+
+    def __init__(
+        self,
+        *,
+        period: float | SomeSubstitutions,
+        actions: Iterable[LaunchDescriptionEntity],
+        cancel_on_shutdown: bool | SomeSubstitutions = True,
+        **options: Any,
+    ) -> None:
+        super().__init__(**options)
+        if isinstance(period, (bool, bytes)) or not (isinstance(period, (int, float, str)) or is_substitution(period)):
+            raise TypeError(f"TimerAction expected 'period' to be a number or a substitution, got {period!r}")
+        self.period = period
+        self.actions = list(actions)
+        self._cancel_on_shutdown = cancel_on_shutdown
+        self._locals: dict[str, Any] = {}
+        self._over: asyncio.Future[None] | None = None
+        self._timer: asyncio.TimerHandle | None = None
+        self._is_cancelled = False
+
+    def describe(self) -> str:
+        return f"TimerAction(period={self.period}, actions=<actions>)"
+
+    def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
+        return [(f"{self.period} seconds pass without being canceled", self.actions)]
+
+    def get_asyncio_future(self) -> asyncio.Future[None] | None:
+        return self._over
+
+    def execute(self, context: LaunchContext) -> Entities:
+        if self._is_cancelled:
+            return None
+        given = self.period
+        period = float(given) if isinstance(given, (int, float)) else float(perform(context, given))
+        loop = context.asyncio_loop
+        over = self._over = loop.create_future()
+        self._locals = dict(context.get_locals_as_dict())
+        handler = EventHandler(
+            matcher=lambda event: isinstance(event, events.TimerEvent) and event.timer_action is self,
+            entities=self._fired,
+            handle_once=True,
+        )
+        context.register_event_handler(handler)
+
+        def fire() -> None:
+            context.emit_event_sync(events.TimerEvent(timer_action=self))
+            if not over.done():
+                over.set_result(None)
+
+        self._timer = loop.call_later(period, fire)
+        wanted = self._cancel_on_shutdown
+        if wanted if isinstance(wanted, bool) else as_bool(perform(context, normalize(wanted))):
+            context.register_event_handler(OnShutdown(on_shutdown=lambda event, context: self.cancel()))
+        return None
+
+    def _fired(self, event: events.Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+        context.extend_locals(self._locals)
+        return [] if self._is_cancelled else self.actions
+
+    def cancel(self) -> None:
+        """Let nothing happen when the time is over."""
+        self._is_cancelled = True
+        if self._timer is not None:
+            self._timer.cancel()
+        if self._over is not None and not self._over.done():
+            self._over.set_result(None)

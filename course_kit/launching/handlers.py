@@ -1,0 +1,164 @@
+"""Event handlers: what is to be done when something happens."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from course_kit.launching.context import LaunchContext
+from course_kit.launching.entities import Action, LaunchDescriptionEntity
+from course_kit.launching.events import (
+    Event,
+    ExecutionComplete,
+    IncludeLaunchDescription,
+    ProcessExited,
+    ProcessIO,
+    ProcessStarted,
+    RunningProcessEvent,
+    Shutdown,
+)
+
+# Entities, or a function that is called with the event and the context and returns some.
+SomeEntities = LaunchDescriptionEntity | Iterable[LaunchDescriptionEntity] | None
+Response = SomeEntities | Callable[..., SomeEntities]
+
+
+def as_list(entities: SomeEntities) -> list[LaunchDescriptionEntity]:
+    """Entities as a list, whatever form they were given in."""
+    if entities is None:
+        return []
+    return [entities] if isinstance(entities, LaunchDescriptionEntity) else [e for e in entities if e is not None]
+
+
+class EventHandler:
+    """Gives entities to be visited when an event matches."""
+
+    def __init__(
+        self, *, matcher: Callable[[Event], bool], entities: Response = None, handle_once: bool = False
+    ) -> None:
+        self._matcher = matcher
+        self._entities = entities
+        self._handle_once = handle_once
+
+    @property
+    def entities(self) -> Response:
+        """What it was given."""
+        return self._entities
+
+    def matches(self, event: Event) -> bool:
+        """Whether it takes the event."""
+        return bool(self._matcher(event))
+
+    def handle(self, event: Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+        """What is to be visited now."""
+        context.extend_locals({"event": event})
+        if self._handle_once:
+            context.unregister_event_handler(self)
+        return self.respond(event, context)
+
+    def respond(self, event: Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+        """The entities, or what the given function returns for the event."""
+        entities = self._entities
+        return as_list(entities(event, context) if callable(entities) else entities)
+
+    def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
+        """How --print shows it, and what it leads to."""
+        entities = [] if callable(self._entities) else as_list(self._entities)
+        return f"{type(self).__name__}(matcher='{self._matcher}', handler='<actions>')", entities
+
+    def __repr__(self) -> str:
+        name = type(self).__name__
+        snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+        return f"<launch.event_handlers.{snake}.{name} object at {hex(id(self))}>"
+
+
+class _OnAction(EventHandler):
+    """Matches events of one type that are about one action, about those a function takes, or about all."""
+
+    def __init__(
+        self, event_type: type[Event], target_action: Any, entities: Response, handle_once: bool, word: str
+    ) -> None:
+        if target_action is not None and not isinstance(target_action, Action) and not callable(target_action):
+            raise TypeError(f"{type(self).__name__}: target_action must be an action, not {target_action!r}")
+        self._target = target_action
+        self._word = word
+        super().__init__(
+            matcher=lambda event: isinstance(event, event_type) and self._is_meant(event),
+            entities=entities,
+            handle_once=handle_once,
+        )
+
+    def _is_meant(self, event: Any) -> bool:
+        if self._target is None:
+            return True
+        if isinstance(self._target, Action):
+            return event.action is self._target
+        return bool(self._target(event.action))
+
+    def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
+        what = f"{type(self).__name__}(target_action={self._target}, {self._word}="
+        if callable(self._entities):
+            return f"{what}{self._entities})", []
+        return f"{what}<actions>)", as_list(self._entities)
+
+
+class OnProcessStart(_OnAction):
+    """When a process has started."""
+
+    def __init__(self, *, target_action: Any = None, on_start: Response, handle_once: bool = False) -> None:
+        super().__init__(ProcessStarted, target_action, on_start, handle_once, "on_start")
+
+
+class OnProcessExit(_OnAction):
+    """When a process has ended."""
+
+    def __init__(self, *, target_action: Any = None, on_exit: Response, handle_once: bool = False) -> None:
+        super().__init__(ProcessExited, target_action, on_exit, handle_once, "on_exit")
+
+
+class OnExecutionComplete(_OnAction):
+    """When an action has been executed."""
+
+    def __init__(self, *, target_action: Any = None, on_completion: Response, handle_once: bool = False) -> None:
+        super().__init__(ExecutionComplete, target_action, on_completion, handle_once, "on_completion")
+
+
+class OnProcessIO(_OnAction):
+    """When a process writes; the functions are called with the event, which has the bytes as `text`."""
+
+    def __init__(
+        self,
+        *,
+        target_action: Any = None,
+        on_stdin: Callable[[RunningProcessEvent], SomeEntities] | None = None,
+        on_stdout: Callable[[ProcessIO], SomeEntities] | None = None,
+        on_stderr: Callable[[ProcessIO], SomeEntities] | None = None,
+    ) -> None:
+        self._by_source = {"stdin": on_stdin, "stdout": on_stdout, "stderr": on_stderr}
+        super().__init__(ProcessIO, target_action, self._respond_to, False, "on_io")
+
+    def _respond_to(self, event: ProcessIO, context: LaunchContext) -> SomeEntities:
+        response = self._by_source[event.source]
+        return None if response is None else response(event)
+
+
+class OnShutdown(EventHandler):
+    """When the launch shuts down."""
+
+    def __init__(self, *, on_shutdown: Response, **options: Any) -> None:
+        super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown, **options)
+
+    def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
+        entities = [] if callable(self._entities) else as_list(self._entities)
+        return f"OnShutdown(on_shutdown={'<actions>' if entities else self._entities})", entities
+
+
+class OnIncludeLaunchDescription(EventHandler):
+    """When a launch description is to be visited."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            matcher=lambda event: isinstance(event, IncludeLaunchDescription),
+            entities=lambda event, context: event.launch_description,
+        )

@@ -1,0 +1,184 @@
+"""Launch files: found, loaded, included by others."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+from typing import Any
+
+from course_kit.launching import actions as basic
+from course_kit.launching.context import LaunchContext
+from course_kit.launching.describing import arguments_of
+from course_kit.launching.entities import Action, Entities, LaunchDescription
+from course_kit.launching.substitutions import SomeSubstitutions, described, normalize, perform
+from course_kit.launching.uncovered import NotCoveredError, not_covered
+
+FUNCTION = "generate_launch_description"
+_LOCALS = ("current_launch_file_path", "current_launch_file_directory")
+_SYNTAX = "The launch file may have a syntax error, or its format is unknown"
+
+
+class InvalidLaunchFileError(RuntimeError):
+    """A launch file cannot be loaded."""
+
+
+class InvalidPythonLaunchFileError(RuntimeError):
+    """A launch file has no generate_launch_description()."""
+
+
+def load_python_launch_file(path: str) -> LaunchDescription:
+    """Run a launch file and return its description; what it raises comes through."""
+    loader = SourceFileLoader("python_launch_file", path)
+    spec = spec_from_loader(loader.name, loader)
+    assert spec is not None
+    module = module_from_spec(spec)
+    try:
+        loader.exec_module(module)
+    except ModuleNotFoundError as error:
+        name = error.name or ""
+        # Packages of ROS 2's own launch system that other packages bring.
+        if name.split(".")[0] in (
+            "launch",
+            "launch_ros",
+            "launch_xml",
+            "launch_yaml",
+            "launch_testing",
+            "launch_pytest",
+        ):
+            raise not_covered(name) from error
+        raise
+    if not hasattr(module, FUNCTION):
+        raise InvalidPythonLaunchFileError(
+            f"launch file at '{path}' does not contain the required function '{FUNCTION}()'"
+        )
+    description = getattr(module, FUNCTION)()
+    if not isinstance(description, LaunchDescription):
+        raise InvalidPythonLaunchFileError(
+            f"launch file at '{path}': {FUNCTION}() returned {type(description).__name__}, not a LaunchDescription"
+        )
+    return description
+
+
+def load_launch_file(path: str) -> LaunchDescription:
+    """The description of a launch file of any format. InvalidLaunchFileError, or NotCoveredError for XML and YAML."""
+    extension = os.path.splitext(path)[1][1:]
+    if extension in ("xml", "yaml", "yml", "launch") and os.path.isfile(path):
+        raise not_covered(f"the launch file '{path}': of the formats XML, YAML and Python only Python")
+    try:
+        return load_python_launch_file(path)
+    except NotCoveredError:
+        raise
+    except Exception as error:
+        if extension != "py":
+            raise InvalidLaunchFileError(_SYNTAX) from error
+        raise InvalidLaunchFileError(
+            f"Caught multiple exceptions when trying to load file of format [py]:\n"
+            f" - {type(error).__name__}: {error}\n - InvalidFrontendLaunchFileError: {_SYNTAX}"
+        ) from error
+
+
+class LaunchDescriptionSource:
+    """A launch description, given or to be loaded from where it says."""
+
+    def __init__(
+        self,
+        launch_description: LaunchDescription | None = None,
+        location: SomeSubstitutions = "<string>",
+        method: str = "unspecified mechanism from a script",
+    ) -> None:
+        self._description = launch_description
+        self._location = normalize(location)
+        self._path: str | None = None
+        self.method = method
+
+    @property
+    def location(self) -> str:
+        """Where it comes from."""
+        return self._path if self._path is not None else described(self._location)
+
+    def get_launch_description(self, context: LaunchContext) -> LaunchDescription:
+        """The description; loaded once."""
+        if self._path is None:
+            self._path = perform(context, self._location)
+        if self._description is None:
+            self._description = self.load(self._path)
+        return self._description
+
+    def try_get_launch_description_without_context(self) -> LaunchDescription | None:
+        """The description if it can be known without running the launch file."""
+        try:
+            return self.get_launch_description(LaunchContext())
+        except Exception:
+            return None
+
+    def load(self, path: str) -> LaunchDescription:
+        """Load it from a file."""
+        raise RuntimeError(
+            "LaunchDescriptionSource.get_launch_description(): called without launch description being set"
+        )
+
+
+class PythonLaunchDescriptionSource(LaunchDescriptionSource):
+    """A Python launch file."""
+
+    def __init__(self, launch_file_path: SomeSubstitutions) -> None:
+        super().__init__(None, launch_file_path, "interpreted python launch file")
+
+    def load(self, path: str) -> LaunchDescription:
+        return load_python_launch_file(path)
+
+
+class AnyLaunchDescriptionSource(LaunchDescriptionSource):
+    """A launch file of any format; only Python ones run here."""
+
+    def __init__(self, launch_file_path: SomeSubstitutions) -> None:
+        super().__init__(None, launch_file_path, "any launch file")
+
+    def load(self, path: str) -> LaunchDescription:
+        return load_launch_file(path)
+
+
+class IncludeLaunchDescription(Action):
+    """Visits what another launch file describes."""
+
+    def __init__(
+        self,
+        launch_description_source: Any,
+        *,
+        launch_arguments: Iterable[tuple[SomeSubstitutions, SomeSubstitutions]] | None = None,
+        **options: Any,
+    ) -> None:
+        super().__init__(**options)
+        if not isinstance(launch_description_source, LaunchDescriptionSource):
+            launch_description_source = AnyLaunchDescriptionSource(launch_description_source)
+        self.launch_description_source: LaunchDescriptionSource = launch_description_source
+        self.launch_arguments = tuple(launch_arguments or ())
+
+    def get_sub_entities(self) -> Entities:
+        description = self.launch_description_source.try_get_launch_description_without_context()
+        return [] if description is None else [description]
+
+    def execute(self, context: LaunchContext) -> Entities:
+        description = self.launch_description_source.get_launch_description(context)
+        before = {name: value for name, value in context.get_locals_as_dict().items() if name in _LOCALS}
+        location = self.launch_description_source.location
+        path = os.path.abspath(location)
+        folder = os.path.dirname(path) if os.path.exists(path) else location
+        context.extend_locals(dict(zip(_LOCALS, (path, folder), strict=True)))
+        names = [perform(context, name) for name, _ in self.launch_arguments]
+        for argument in arguments_of(description):
+            is_optional = argument._conditionally_included or argument.default_value is not None
+            if not is_optional and argument.name not in names:
+                raise RuntimeError(
+                    f"Included launch description missing required argument '{argument.name}' "
+                    f"(description: '{argument.description}'), given: [{', '.join(names)}]"
+                )
+
+        def back(context: LaunchContext) -> None:
+            context.forget_locals(_LOCALS)
+            context.extend_locals(before)
+
+        sets = [basic.SetLaunchConfiguration(name, value) for name, value in self.launch_arguments]
+        return [*sets, description, basic.Step(back)]

@@ -1,0 +1,227 @@
+"""launch_ros' actions: Node, and what sets values for the nodes that come after it."""
+
+from __future__ import annotations
+
+import os
+import re
+import tempfile
+from collections.abc import Iterable
+from typing import Any
+
+from course_kit.launching import output, parameters
+from course_kit.launching.context import LaunchContext
+from course_kit.launching.entities import Action, Entities
+from course_kit.launching.package_substitutions import ExecutableInPackage
+from course_kit.launching.process import ExecuteProcess
+from course_kit.launching.substitutions import (
+    LocalSubstitution,
+    SomeSubstitutions,
+    SubstitutionFailure,
+    normalize,
+    perform,
+)
+
+NO_NAME = "<node_name_unspecified>"
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")
+
+
+def joined_namespace(base: str | None, namespace: str | None) -> str | None:
+    """A namespace within another one, absolute; None if neither is given."""
+    if base is None and namespace is None:
+        return None
+    if not namespace:
+        name = base or "/"
+    elif base is None or namespace.startswith("/"):
+        name = namespace
+    else:
+        name = f"{base.rstrip('/')}/{namespace}"
+    name = name if name.startswith("/") else f"/{name}"
+    return name.rstrip("/") or "/"
+
+
+def validate_name(name: str) -> None:
+    """Raise rclpy's error for a name that no node can have."""
+    if not _NAME.fullmatch(name):
+        from rclpy.validate_node_name import validate_node_name
+
+        validate_node_name(name)
+
+
+def validate_namespace(namespace: str) -> None:
+    """Raise rclpy's error for what is no namespace."""
+    if not _NAMESPACE.fullmatch(namespace) or "__" in namespace:
+        from rclpy.validate_namespace import validate_namespace as validate
+
+        validate(namespace)
+
+
+class PushROSNamespace(Action):
+    """Puts the nodes after it into a namespace, to the end of the group."""
+
+    def __init__(self, namespace: SomeSubstitutions, **options: Any) -> None:
+        super().__init__(**options)
+        self.namespace = normalize(namespace)
+
+    def execute(self, context: LaunchContext) -> Entities:
+        before = context.launch_configurations.get("ros_namespace")
+        pushed = perform(context, self.namespace)
+        namespace = joined_namespace(before, pushed)
+        assert namespace is not None
+        try:
+            validate_namespace(namespace)
+        except Exception:
+            raise SubstitutionFailure(
+                f"The resulting namespace is invalid: [previous_namespace='{before}', pushed_namespace='{pushed}']"
+            ) from None
+        context.launch_configurations["ros_namespace"] = namespace
+        return None
+
+
+class SetParameter(Action):
+    """Gives all nodes after it a parameter, to the end of the group."""
+
+    def __init__(self, name: SomeSubstitutions, value: Any, **options: Any) -> None:
+        super().__init__(**options)
+        self.name = normalize(name)
+        self.value = value
+
+    def execute(self, context: LaunchContext) -> Entities:
+        given = {perform(context, self.name): parameters.evaluated(context, self.value)}
+        before = context.launch_configurations.get("global_params", {})
+        context.launch_configurations["global_params"] = {**before, **given}
+        return None
+
+
+class SetRemap(Action):
+    """Gives all nodes after it a remapping, to the end of the group."""
+
+    def __init__(self, src: SomeSubstitutions, dst: SomeSubstitutions, **options: Any) -> None:
+        super().__init__(**options)
+        self.src = normalize(src)
+        self.dst = normalize(dst)
+
+    def execute(self, context: LaunchContext) -> Entities:
+        pair = (perform(context, self.src), perform(context, self.dst))
+        context.launch_configurations["ros_remaps"] = [*context.launch_configurations.get("ros_remaps", ()), pair]
+        return None
+
+
+class Node(ExecuteProcess):
+    """Runs a node: an executable of a package, with its name, namespace, parameters and remappings."""
+
+    def __init__(
+        self,
+        *,
+        executable: SomeSubstitutions,
+        package: SomeSubstitutions | None = None,
+        name: SomeSubstitutions | None = None,
+        namespace: SomeSubstitutions | None = None,
+        exec_name: SomeSubstitutions | None = None,
+        parameters: Iterable[Any] | None = None,
+        remappings: Iterable[tuple[SomeSubstitutions, SomeSubstitutions]] | None = None,
+        ros_arguments: Iterable[SomeSubstitutions] | None = None,
+        arguments: Iterable[SomeSubstitutions] | None = None,
+        **options: Any,
+    ) -> None:
+        cmd: list[Any] = [executable if package is None else ExecutableInPackage(executable, package)]
+        cmd += _list(arguments)
+        cmd += ["--ros-args", *_list(ros_arguments)] if ros_arguments is not None else []
+        cmd += ["--ros-args"]
+        if name is not None:
+            cmd += ["-r", LocalSubstitution("ros_specific_arguments['name']", "node name")]
+        super().__init__(cmd=cmd, name=exec_name, **options)
+        self._given = f"package={package}, executable={executable}, name={name}, namespace={namespace}"
+        self._node_name = None if name is None else normalize(name)
+        self._namespace = None if namespace is None else normalize(namespace)
+        self._parameters = [] if parameters is None else _parameters(parameters)
+        self._remappings = [] if remappings is None else _pairs(remappings)
+        self.node_name = NO_NAME
+
+    def execute(self, context: LaunchContext) -> Entities:
+        base_name, namespace = self._names(context)
+        is_known = base_name is not None and namespace is not None
+        self.node_name = f"{(namespace or '<node_namespace_unspecified>').rstrip('/')}/{base_name or NO_NAME}"
+        values = {"name": f"__node:={base_name}"}
+        words = [] if namespace is None else ["-r", f"__ns:={namespace}"]
+        words += self._parameter_words(context, self.node_name if is_known else "/**")
+        remaps = list(context.launch_configurations.get("ros_remaps", ()))
+        remaps += [(perform(context, a), perform(context, b)) for a, b in self._remappings]
+        words += [word for a, b in remaps for word in ("-r", f"{a}:={b}")]
+        self.cmd += [normalize(word) for word in words]
+        context.extend_locals({"ros_specific_arguments": values})
+        entities = super().execute(context)
+        if is_known:
+            context.node_names[self.node_name] += 1
+            count = context.node_names[self.node_name]
+            if count > 1:
+                output.get_logger(self.name).warning(
+                    f"there are now at least {count} nodes with the name {self.node_name} created within this "
+                    "launch context"
+                )
+        return entities
+
+    def _names(self, context: LaunchContext) -> tuple[str | None, str | None]:
+        try:
+            name = None if self._node_name is None else perform(context, self._node_name)
+            if name is not None:
+                validate_name(name)
+            own = None if self._namespace is None else perform(context, self._namespace)
+            namespace = joined_namespace(context.launch_configurations.get("ros_namespace"), own)
+            if namespace is not None:
+                validate_namespace(namespace)
+        except Exception:
+            output.get_logger("launch_ros.actions.node").error(
+                f"Error while expanding or validating node name or namespace for '{self._given}':"
+            )
+            raise
+        return name, namespace
+
+    def _parameter_words(self, context: LaunchContext, node: str) -> list[str]:
+        words: list[str] = []
+        for name, value in context.launch_configurations.get("global_params", {}).items():
+            words += ["-p", f"{name}:={_inline(value)}"]
+        for given in self._parameters:
+            if isinstance(given, parameters.ParameterFile):
+                path = given.evaluate(context)
+            else:
+                path = self._write(context, parameters.yaml_text(node, parameters.flat(context, given)))
+            if os.path.isfile(path):
+                words += ["--params-file", path]
+            else:
+                output.get_logger("launch_ros.actions.node").warning(f"Parameter file path is not a file: {path}")
+        return words
+
+    @staticmethod
+    def _write(context: LaunchContext, text: str) -> str:
+        with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False, encoding="utf-8") as file:
+            file.write(text)
+        context.temporary_files.append(file.name)
+        return file.name
+
+
+def _inline(value: Any) -> str:
+    """A value as `-p name:=value` takes it."""
+    import yaml  # type: ignore[import-untyped]
+
+    return str(yaml.safe_dump(value, default_flow_style=True)).removesuffix("...\n").strip()
+
+
+def _list(given: Any) -> list[Any]:
+    return [] if given is None else [given] if isinstance(given, str) else list(given)
+
+
+def _parameters(given: Any) -> list[Any]:
+    return [
+        one if isinstance(one, (dict, parameters.ParameterFile)) else parameters.ParameterFile(one)
+        for one in parameters.check(given)
+    ]
+
+
+def _pairs(remappings: Any) -> list[tuple[Any, Any]]:
+    pairs = []
+    for pair in remappings:
+        if isinstance(pair, str) or len(pair) != 2:
+            raise TypeError(f"Expecting remap rules to be pairs such as ('/from', '/to'), got {pair!r}")
+        pairs.append((normalize(pair[0]), normalize(pair[1])))
+    return pairs

@@ -1,0 +1,139 @@
+"""Parameters of a node: what a launch file gives as dictionaries, as the YAML that the node reads."""
+
+from __future__ import annotations
+
+import os
+import typing
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from course_kit.launching.actions import is_substitution
+from course_kit.launching.context import LaunchContext
+from course_kit.launching.substitutions import SomeSubstitutions, Substitution, normalize, perform
+from course_kit.launching.uncovered import not_covered
+
+SCALARS = (bool, int, float, str)
+_UNIFORM = (
+    "Expected a non-empty sequence, with items of uniform type. Allowed sequence item types are bool, int, float, str."
+)
+_ALLOWED = (
+    "Allowed value types are bytes, bool, int, float, str, Sequence[bool], Sequence[int], Sequence[float], "
+    "Sequence[str]. Got {}.If the parameter is meant to be a string, try wrapping it in "
+    "launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
+)
+
+
+class ParameterValue:
+    """A value with the type that it is to have: bool, int, float, str or a list of one of them."""
+
+    def __init__(self, value: Any, *, value_type: Any = None) -> None:
+        self.value = value
+        self.value_type = value_type
+
+    def evaluate(self, context: LaunchContext) -> Any:
+        """The value. ValueError if the text is none of that type."""
+        if self.value_type is None:
+            return evaluated(context, self.value)
+        if not is_substitution(self.value) and not isinstance(self.value, str):
+            return _typed(self.value, self.value_type)
+        text = perform(context, self.value)
+        return text if self.value_type is str else _typed(_from_yaml(text), self.value_type)
+
+
+class ParameterFile:
+    """A YAML file of parameters."""
+
+    def __init__(self, param_file: SomeSubstitutions, *, allow_substs: Any = False) -> None:
+        if allow_substs:
+            raise not_covered("ParameterFile(allow_substs=...)")
+        self.param_file = normalize(param_file)
+
+    def evaluate(self, context: LaunchContext) -> str:
+        """The path."""
+        return perform(context, self.param_file)
+
+
+def _from_yaml(text: str) -> Any:
+    import yaml  # type: ignore[import-untyped]
+
+    return yaml.safe_load(text)
+
+
+def _typed(value: Any, wanted: Any) -> Any:
+    """A value as the type that a ParameterValue names."""
+    if typing.get_origin(wanted) in (list, Sequence):
+        (item,) = typing.get_args(wanted)
+        if isinstance(value, (list, tuple)):
+            return [_typed(one, item) for one in value]
+    elif wanted is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    elif type(value) is wanted:
+        return value
+    elif wanted is str:
+        return str(value)
+    raise ValueError(f"Cannot convert value '{value}' to a value of type '{getattr(wanted, '__name__', wanted)}'")
+
+
+def flat(context: LaunchContext, parameters: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:
+    """Parameters by their full names: those of nested dictionaries joined by dots."""
+    found: dict[str, Any] = {}
+    for name, value in parameters.items():
+        full = prefix + perform(context, name)
+        if isinstance(value, Mapping):
+            found |= flat(context, value, f"{full}.")
+        else:
+            found[full] = evaluated(context, value)
+    return found
+
+
+def evaluated(context: LaunchContext, value: Any) -> Any:
+    """The value of a parameter; a substitution is read as YAML. TypeError for what a parameter cannot be."""
+    if isinstance(value, ParameterValue):
+        return value.evaluate(context)
+    if isinstance(value, Substitution):
+        return _checked(_from_yaml(perform(context, value)))
+    if isinstance(value, (*SCALARS, bytes)):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, Sequence):
+        return _sequence(context, value)
+    raise TypeError(f"Unexpected type for parameter value {value!r}")
+
+
+def _sequence(context: LaunchContext, value: Sequence[Any]) -> Any:
+    if is_substitution(value) and all(isinstance(part, (str, Substitution)) for part in value):
+        return _checked(_from_yaml(perform(context, value)))  # one text, made of parts
+    items = [item if isinstance(item, SCALARS) else _from_yaml(perform(context, item)) for item in value]
+    if items and {type(item) for item in items} == {int, float}:
+        items = [float(item) for item in items]
+    return _uniform(items)
+
+
+def _checked(value: Any) -> Any:
+    if isinstance(value, (*SCALARS, bytes)):
+        return value
+    if isinstance(value, (list, tuple)):
+        return _uniform(list(value))
+    raise TypeError(_ALLOWED.format(type(value)))
+
+
+def _uniform(items: list[Any]) -> list[Any]:
+    if not items or len({type(item) for item in items}) != 1 or not isinstance(items[0], SCALARS):
+        raise TypeError(_UNIFORM)
+    return items
+
+
+def yaml_text(node: str, parameters: Mapping[str, Any]) -> str:
+    """A parameter file for one node, or for all by '/**'."""
+    import yaml  # type: ignore[import-untyped]
+
+    text: str = yaml.safe_dump({node: {"ros__parameters": dict(parameters)}}, default_flow_style=False)
+    return text
+
+
+def check(parameters: Any) -> Sequence[Any]:
+    """The list that a Node was given as `parameters`. TypeError if it is none."""
+    if isinstance(parameters, (str, Mapping)) or not isinstance(parameters, Iterable):
+        raise TypeError(f"Node expected 'parameters' to be a list of dictionaries and files, got {parameters!r}")
+    return list(parameters)

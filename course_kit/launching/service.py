@@ -1,0 +1,125 @@
+"""Runs a launch description: handles one event after the other until nothing is left to wait for."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import traceback
+from collections.abc import Iterable
+
+from course_kit.launching import events, output
+from course_kit.launching.context import LaunchContext
+from course_kit.launching.entities import LaunchDescription, visit_all
+from course_kit.launching.handlers import OnIncludeLaunchDescription, OnShutdown
+from course_kit.programs.orphans import Watch
+
+
+class LaunchService:
+    """One launch, in the main thread of its process."""
+
+    def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = False, debug: bool = False) -> None:
+        output.set_debug(debug)
+        self._logger = output.get_logger("launch")
+        self.context = LaunchContext(argv=argv, noninteractive=noninteractive)
+        self.context.register_event_handler(OnIncludeLaunchDescription())
+        self.context.register_event_handler(OnShutdown(on_shutdown=self._on_shutdown))
+        self._futures: list[asyncio.Future[None]] = []
+        self._is_shutting_down = False
+        self._was_interrupted = False
+        self._status = 0
+
+    def include_launch_description(self, description: LaunchDescription) -> None:
+        """Have a launch description visited when the launch runs."""
+        self.context.emit_event_sync(events.IncludeLaunchDescription(description))
+
+    def run(self) -> int:
+        """Run to the end; return the exit status. SIGINT, SIGTERM and SIGQUIT end the launch."""
+        self._watch = Watch()
+        self.context.token = self._watch.token
+        try:
+            return asyncio.run(self._run())
+        finally:
+            self._watch.close()
+            for path in self.context.temporary_files:
+                with contextlib.suppress(OSError):
+                    os.unlink(path)
+
+    async def _run(self) -> int:
+        loop = self.context.loop = asyncio.get_running_loop()
+        terminated = self._terminated = loop.create_future()
+        self._tell_where_logs_are()
+        loop.add_signal_handler(signal.SIGINT, self._on_sigint)
+        for number in (signal.SIGTERM, signal.SIGQUIT):
+            loop.add_signal_handler(number, self._on_sigterm, number)
+        while not terminated.done():
+            if self.context.events:
+                self._handle_safely(self.context.events.popleft())
+                await asyncio.sleep(0)  # so that processes start and write between two events
+                continue
+            self._futures = [future for future in self._futures if not future.done()]
+            if self._futures:
+                waited_for = {self.context.next_arrival(), terminated, *self._futures}
+                await asyncio.wait(waited_for, return_when=asyncio.FIRST_COMPLETED)
+            elif self._is_shutting_down:
+                break
+            else:
+                self._shutdown("idle", due_to_sigint=False)
+        return self._status
+
+    def _tell_where_logs_are(self) -> None:
+        self._logger.info(f"All log files can be found below {output.files.folder}")
+        self._logger.info(f"Default logging verbosity is set to {output.verbosity()}")
+
+    def _handle_safely(self, event: events.Event) -> None:
+        try:
+            self._handle(event)
+        except Exception as error:
+            message = f"Caught exception in launch (see debug for traceback): {error}"
+            self._logger.debug(traceback.format_exc())
+            self._logger.error(message)
+            self._status = 1
+            self._shutdown(message, due_to_sigint=False)
+
+    def _handle(self, event: events.Event) -> None:
+        self._logger.debug(f"processing event: '{event}'")
+        for handler in tuple(self.context.handlers):
+            if not handler.matches(event):
+                continue
+            self.context.push_locals()
+            try:
+                for entity in handler.handle(event, self.context):
+                    self._futures += visit_all(entity, self.context)
+            finally:
+                self.context.pop_locals()
+
+    def _on_shutdown(self, event: events.Event, context: LaunchContext) -> None:
+        self._is_shutting_down = True
+        context.is_shutdown = True
+
+    def _shutdown(self, reason: str, due_to_sigint: bool) -> None:
+        if not self._is_shutting_down:
+            self.context.emit_event_sync(events.Shutdown(reason=reason, due_to_sigint=due_to_sigint))
+        self._is_shutting_down = True
+        self.context.is_shutdown = True
+
+    def _on_sigint(self) -> None:
+        message = "user interrupted with ctrl-c (SIGINT)"
+        if self._was_interrupted:
+            self._logger.warning(f"{message} again, ignoring...")
+            return
+        self._was_interrupted = True
+        self._logger.warning(message)
+        self.context.group_interrupted = self._watch.whole_group_was_interrupted()
+        self._shutdown("ctrl-c (SIGINT)", due_to_sigint=True)
+
+    def _on_sigterm(self, number: signal.Signals) -> None:
+        name = signal.Signals(number).name
+        self._logger.error(f"user interrupted with ctrl-\\ ({name}), terminating...")
+        self._logger.error(f"using {name} can result in orphaned processes")
+        self._logger.error("make sure no processes launched are still running")
+        self._logger.error("run task was canceled")
+        self._status = 1
+        if not self._terminated.done():
+            self._terminated.set_result(None)

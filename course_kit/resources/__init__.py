@@ -1,0 +1,1 @@
+"""Which node lives in which process, and what each uses of the machine."""

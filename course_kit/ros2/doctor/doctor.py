@@ -1,0 +1,134 @@
+"""`ros2 doctor`, alias `ros2 wtf`: checks of this machine, the packages and the graph, and a report of what is there.
+
+Nothing of it uses the network: the newest versions of packages, which the real command looks up, are left out.
+"""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ElementTree
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from course_kit.programs import packages
+from course_kit.ros2.doctor import checks, report
+from course_kit.ros2.doctor.checks import Interface, Pair, System, Topic
+from course_kit.ros2.session import Session
+from course_kit.ros2.verbs import Verb
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+def _arguments(parser: ArgumentParser) -> None:
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--report", "-r", action="store_true", help="Print all reports.")
+    group.add_argument("--report-failed", "-rf", action="store_true", help="Print reports of failed checks only.")
+    parser.add_argument(
+        "--exclude-packages", "-ep", action="store_true", help="Exclude package checks or report, default is False"
+    )
+    parser.add_argument(
+        "--include-warnings",
+        "-iw",
+        action="store_true",
+        help="Include warnings as failed checks. Warnings are ignored by default.",
+    )
+
+
+def _doctor(args: Namespace, session: Session) -> None:
+    system = _look(session)
+    with_packages = not args.exclude_packages
+    if args.report:
+        for section in report.sections(system, with_packages=with_packages):
+            session.print(str(section))
+        return
+    chosen = {n: check for n, check in checks.CHECKS.items() if with_packages or n != "package"}
+    findings = {name: check(system) for name, check in chosen.items()}
+    for line in dict.fromkeys(str(finding) for found in findings.values() for finding in found):
+        session.warn(line)
+    failed = checks.failed(findings, args.include_warnings)
+    session.print(checks.summary(len(chosen), failed))
+    if args.report_failed and failed:
+        for section in report.sections(system, failed, with_packages):
+            session.print(str(section))
+
+
+def _look(session: Session) -> System:
+    """Everything that the checks and the report are about."""
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    node = session.graph()
+    versions = {name: _version(name) for name in packages.package_names()}
+    topics = list(_topics(node))
+    return System(
+        interfaces=list(_interfaces()),
+        packages=versions,
+        distro=_distro(versions),
+        middleware=get_rmw_implementation_identifier(),
+        topics=topics,
+        pairs=[pair for topic in topics for pair in _pairs(node, topic.name)],
+    )
+
+
+def _interfaces() -> Iterator[Interface]:
+    import socket
+
+    import psutil  # type: ignore[import-untyped]
+
+    stats = psutil.net_if_stats()
+    for name, addresses in psutil.net_if_addrs().items():
+        of = {
+            family: [address for address in addresses if address.family == family]
+            for family in (socket.AF_INET, socket.AF_INET6, psutil.AF_LINK)
+        }
+        inet = of[socket.AF_INET]
+        ether = [a.address for a in of[psutil.AF_LINK] if a.address != "00:00:00:00:00:00"]
+        stat = stats.get(name)
+        yield Interface(
+            name,
+            flags=stat.flags if stat else "",
+            mtu=stat.mtu if stat else None,
+            inet=tuple(a.address for a in inet),
+            inet6=tuple(a.address for a in of[socket.AF_INET6]),
+            ether=ether[-1] if ether else None,
+            netmask=inet[-1].netmask if inet else None,
+            broadcast=inet[-1].broadcast if inet else None,
+        )
+
+
+def _version(package: str) -> str:
+    """The version in a package's package.xml; empty if there is none."""
+    try:
+        root = ElementTree.parse(os.path.join(packages.share_directory(package), "package.xml")).getroot()
+    except (LookupError, OSError, ElementTree.ParseError):
+        return ""
+    return (root.findtext("version") or "").strip()
+
+
+def _distro(versions: dict[str, str]) -> str:
+    """The name of the ROS 2 distribution; empty if nothing tells."""
+    named = os.environ.get("ROS_DISTRO", "").lower()
+    series = ".".join(versions.get("rclpy", "").split(".")[:2])
+    return named or checks.RCLPY_VERSIONS.get(series, "")
+
+
+def _topics(node: Node) -> Iterator[Topic]:
+    from course_kit.ros_graph import graph
+
+    for name in graph.topics(node, with_hidden=True):
+        if name not in checks.PARTNERLESS:
+            yield Topic(name, node.count_publishers(name), node.count_subscribers(name))
+
+
+def _pairs(node: Node, topic: str) -> Iterator[Pair]:
+    from rclpy.qos import qos_check_compatible
+
+    subscriptions = node.get_subscriptions_info_by_topic(topic)
+    for publisher in node.get_publishers_info_by_topic(topic):
+        for subscription in subscriptions:
+            _, reason = qos_check_compatible(publisher.qos_profile, subscription.qos_profile)
+            yield Pair(topic, publisher.topic_type, publisher.node_name, subscription.node_name, reason)
+
+
+COMMAND = Verb("Check ROS setup and other potential issues", _doctor, _arguments)

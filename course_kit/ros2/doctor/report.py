@@ -1,0 +1,104 @@
+"""The sections that `ros2 doctor --report` prints, from data."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+from course_kit.ros2.doctor.checks import Interface, System
+
+LEAST_WIDTH = 8  # of the column of names; names as long as that get GAP more
+GAP = 4
+OFFLINE = "latest versions are not looked up: that takes a network"
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of the report; `module` is the check that it belongs to."""
+
+    module: str
+    title: str
+    items: Sequence[tuple[str, object]]
+
+    def __str__(self) -> str:
+        longest = max((len(name) for name, _ in self.items), default=0)
+        width = LEAST_WIDTH if longest < LEAST_WIDTH else longest + GAP
+        return "\n".join([f"\n   {self.title}", *(f"{name:{width}}: {value}" for name, value in self.items)])
+
+
+def sections(system: System, modules: Collection[str] = (), with_packages: bool = True) -> list[Section]:
+    """The sections of some modules, of all if none is named."""
+    everything = [
+        Section("network", "NETWORK CONFIGURATION", list(_network(system.interfaces))),
+        Section("package", "PACKAGE VERSIONS", list(_packages(system)) if with_packages else []),
+        Section("platform", "PLATFORM INFORMATION", _platform()),
+        Section("middleware", "QOS COMPATIBILITY LIST", list(_qos(system))),
+        Section("middleware", "RMW MIDDLEWARE", [("middleware name", system.middleware)]),
+        Section("platform", "ROS 2 INFORMATION", _distribution(system)),
+        Section("topic", "TOPIC LIST", list(_topics(system))),
+    ]
+    wanted = (s for s in everything if with_packages or s.module != "package")
+    return [section for section in wanted if not modules or section.module in modules]
+
+
+def _network(interfaces: Sequence[Interface]) -> Iterator[tuple[str, object]]:
+    for interface in interfaces:
+        items = [
+            ("inet", interface.inet[-1] if interface.inet else None),
+            ("inet4", list(interface.inet)),
+            ("ether", interface.ether),
+            ("inet6", list(interface.inet6)),
+            ("netmask", interface.netmask),
+            ("device", interface.name),
+            ("flags", interface.flags.upper()),
+            ("mtu", interface.mtu),
+            ("broadcast", interface.broadcast),
+        ]
+        yield from ((name, value) for name, value in items if value)
+
+
+def _packages(system: System) -> Iterator[tuple[str, object]]:
+    for name, version in system.packages.items():
+        yield name, f"latest=N/A, local={version}"
+    yield "note", OFFLINE
+
+
+def _platform() -> list[tuple[str, object]]:
+    return [
+        ("system", platform.system()),
+        ("platform info", platform.platform()),
+        ("release", platform.release()),
+        ("processor", platform.processor()),
+    ]
+
+
+def _qos(system: System) -> Iterator[tuple[str, object]]:
+    for pair in system.pairs:
+        yield "topic [type]", f"{pair.topic} [{pair.type}]"
+        yield "publisher node", pair.publisher
+        yield "subscriber node", pair.subscriber
+        yield "compatibility status", pair.reason or "OK"
+    if not system.pairs:
+        yield "compatibility status", "No publisher/subscriber pairs found"
+
+
+def _distribution(system: System) -> list[tuple[str, object]]:
+    known = system.distribution
+    if known is None:
+        return [("distribution name", system.distro or "unknown")]
+    return [
+        ("distribution name", known.name),
+        ("distribution type", "ros2"),
+        ("distribution status", known.status),
+        ("release platforms", dict(known.platforms)),
+    ]
+
+
+def _topics(system: System) -> Iterator[tuple[str, object]]:
+    for topic in system.topics:
+        yield "topic", topic.name
+        yield "publisher count", topic.publishers
+        yield "subscriber count", topic.subscribers
+    if not system.topics:
+        yield from (("topic", "none"), ("publisher count", 0), ("subscriber count", 0))

@@ -1,0 +1,246 @@
+"""`ros2 launch`: a launch file, by its path or by its package and name."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from argparse import ArgumentParser, Namespace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from course_kit import launching
+from course_kit.programs import packages
+from course_kit.ros2 import children
+from course_kit.ros2.session import Session
+from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, did_you_mean
+
+if TYPE_CHECKING:
+    from course_kit.launching.entities import LaunchDescription
+
+STAND_INS = Path(launching.__file__).with_name("stand_ins")
+EXTENSIONS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
+
+
+def _arguments(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "-n",
+        "--noninteractive",
+        default=not sys.stdin.isatty(),
+        action="store_true",
+        help="Run the launch system non-interactively, with no terminal associated",
+    )
+    parser.add_argument(
+        "-d",
+        "--debug",
+        default=False,
+        action="store_true",
+        help="Put the launch system in debug mode, provides more verbose output.",
+    )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "-p",
+        "--print",
+        "--print-description",
+        default=False,
+        action="store_true",
+        help="Print the launch description to the console without launching it.",
+    )
+    what.add_argument(
+        "-s",
+        "--show-args",
+        "--show-arguments",
+        default=False,
+        action="store_true",
+        help="Show arguments that may be given to the launch file.",
+    )
+    parser.add_argument(
+        "-a",
+        "--show-all-subprocesses-output",
+        default=False,
+        action="store_true",
+        help="Show all launched subprocesses' output by overriding their output configuration using the "
+        "OVERRIDE_LAUNCH_PROCESS_OUTPUT envvar.",
+    )
+    parser.add_argument(
+        "--launch-prefix",
+        help="Prefix command, which should go before all executables. Command must be wrapped in quotes if it "
+        "contains spaces (e.g. --launch-prefix 'xterm -e gdb -ex run --args').",
+    )
+    parser.add_argument(
+        "--launch-prefix-filter",
+        help="Regex pattern for filtering which executables the --launch-prefix is applied to by matching the "
+        "executable name.",
+    )
+    add_duration_argument(parser)
+    package = parser.add_argument("package_name", help="Name of the ROS package which contains the launch file")
+    package.completer = _offer_packages_and_files  # type: ignore[attr-defined]
+    name = parser.add_argument("launch_file_name", nargs="?", help="Name of the launch file")
+    name.completer = _offer_launch_files  # type: ignore[attr-defined]
+    parser.add_argument(
+        "launch_arguments",
+        nargs="*",
+        help="Arguments to the launch file; '<name>:=<value>' (for duplicates, last one wins)",
+    )
+
+
+def _offer_packages_and_files(prefix: str, **_: Any) -> list[str]:
+    folder = os.path.dirname(prefix)
+    entries = os.scandir(folder or ".") if os.path.isdir(folder or ".") else ()
+    paths = [
+        os.path.join(folder, entry.name) + ("/" if entry.is_dir() else "")
+        for entry in entries
+        if entry.is_dir() or entry.name.endswith(EXTENSIONS)
+    ]
+    return [name for name in [*packages.package_names(), *sorted(paths)] if name.startswith(prefix)]
+
+
+def _offer_launch_files(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
+    names = [os.path.basename(path) for path in _files(_share(parsed_args.package_name) or "")]
+    return sorted(name for name in names if name.startswith(prefix) and name.endswith(EXTENSIONS))
+
+
+def _run(args: Namespace, session: Session) -> int:
+    if session.in_notebook or args.duration is not None:
+        # A launch has a loop, signals and an environment of its own, so it is a process of its own.
+        start = "from course_kit.ros2.command import main; main()"
+        return children.run_in_notebook([sys.executable, "-c", start, "launch", *words(args)], session)
+    if _is_real():
+        _hand_over(["launch", *words(args)])
+    path, given = find_launch_file(args)
+    values = parse_arguments(given)
+    if args.show_all_subprocesses_output:
+        os.environ["OVERRIDE_LAUNCH_PROCESS_OUTPUT"] = "both"
+    if sys.path[:1] != [str(STAND_INS)]:
+        sys.path.insert(0, str(STAND_INS))
+    if args.print or args.show_args:
+        _describe(path, args, session)
+        return 0
+    if args.launch_prefix is not None:
+        values["launch-prefix"] = args.launch_prefix
+    if args.launch_prefix_filter is not None:
+        if args.launch_prefix is None:
+            raise CommandError("--launch-prefix-filter needs a --launch-prefix")
+        values["launch-prefix-filter"] = args.launch_prefix_filter
+    return _launch(path, values, given, args)
+
+
+def words(args: Namespace) -> list[str]:
+    """The command line that these arguments came from, without --duration."""
+    options = {
+        "--noninteractive": args.noninteractive,
+        "--debug": args.debug,
+        "--print": args.print,
+        "--show-args": args.show_args,
+        "--show-all-subprocesses-output": args.show_all_subprocesses_output,
+    }
+    found = [name for name, is_on in options.items() if is_on]
+    for name, value in (
+        ("--launch-prefix", args.launch_prefix),
+        ("--launch-prefix-filter", args.launch_prefix_filter),
+    ):
+        found += [] if value is None else [f"{name}={value}"]
+    named = [args.package_name, args.launch_file_name, *args.launch_arguments]
+    return [*found, *(name for name in named if name is not None)]
+
+
+def _is_real() -> bool:
+    """Whether ROS 2's own `ros2 launch` is installed; then that one runs."""
+    spec = find_spec("ros2launch")
+    return spec is not None and spec.origin is not None
+
+
+def _hand_over(command_line: list[str]) -> NoReturn:
+    start = "import sys; from ros2cli.cli import main; sys.exit(main())"
+    sys.stdout.flush()
+    os.execv(sys.executable, [sys.executable, "-c", start, *command_line])
+
+
+def find_launch_file(args: Namespace) -> tuple[str, list[str]]:
+    """The launch file that is meant and the arguments for it. CommandError if it is not there."""
+    name, file_name, given = args.package_name, args.launch_file_name, args.launch_arguments
+    is_package = _share(name) is not None
+    if file_name is None or (not is_package and os.path.exists(name)):
+        if not os.path.isfile(name):
+            raise CommandError("No launch file supplied", _file_hint(name, is_package))
+        return name, [*([] if file_name is None else [file_name]), *given]
+    share = _share(name)
+    if share is None:
+        searched = [str(prefix) for prefix in packages.prefixes()]
+        reason = f"\"package '{name}' not found, searching: {searched}\""
+        raise CommandError(f"Package '{name}' not found: {reason}", did_you_mean(name, packages.package_names()))
+    found = [path for path in _files(share) if os.path.basename(path) == file_name]
+    if not found:
+        raise CommandError(
+            f"file '{file_name}' was not found in the share directory of package '{name}' which is at '{share}'",
+            did_you_mean(file_name, [os.path.basename(p) for p in _files(share) if p.endswith(EXTENSIONS)]),
+        )
+    if len(found) > 1:
+        paths = ", ".join(f"'{path}'" for path in found)
+        raise CommandError(
+            f"file '{file_name}' was found more than once in the share directory of package '{name}': [{paths}]"
+        )
+    return found[0], given
+
+
+def _share(name: str) -> str | None:
+    with contextlib.suppress(LookupError):
+        return packages.share_directory(name)
+    return None
+
+
+def _file_hint(name: str, is_package: bool) -> str | None:
+    if is_package:
+        share = _share(name) or ""
+        names = sorted(os.path.basename(p) for p in _files(share) if p.endswith(EXTENSIONS))
+        return f"{name} has: {', '.join(names)}" if names else f"{name} has no launch files"
+    folder = os.path.dirname(name) or "."
+    names = sorted(os.listdir(folder)) if os.path.isdir(folder) else []
+    return did_you_mean(os.path.basename(name), [n for n in names if n.endswith((".py", ".xml", ".yaml"))])
+
+
+def _files(folder: str) -> list[str]:
+    return [os.path.join(root, name) for root, _, names in os.walk(folder) for name in names]
+
+
+def parse_arguments(given: list[str]) -> dict[str, str]:
+    """Values by name; of two for the same name the last one. CommandError for what is not name:=value."""
+    values: dict[str, str] = {}
+    for argument in given:
+        name, sign, value = argument.partition(":=")
+        if not sign or not name or not value:
+            raise CommandError(f"malformed launch argument '{argument}', expected format '<name>:=<value>'")
+        values[name] = value
+    return values
+
+
+def _describe(path: str, args: Namespace, session: Session) -> None:
+    from course_kit.launching import describing
+
+    description = _load(path)
+    text = describing.description_text if args.print else describing.arguments_text
+    session.print(text(description))
+
+
+def _load(path: str) -> LaunchDescription:
+    from course_kit.launching.include import load_launch_file
+
+    try:
+        return load_launch_file(path)
+    except (Exception, SystemExit) as error:
+        raise CommandError(str(error)) from None
+
+
+def _launch(path: str, values: dict[str, str], argv: list[str], args: Namespace) -> int:
+    from course_kit.launching.entities import LaunchDescription
+    from course_kit.launching.include import AnyLaunchDescriptionSource, IncludeLaunchDescription
+    from course_kit.launching.service import LaunchService
+
+    service = LaunchService(argv=argv, noninteractive=args.noninteractive, debug=args.debug)
+    include = IncludeLaunchDescription(AnyLaunchDescriptionSource(path), launch_arguments=values.items())
+    service.include_launch_description(LaunchDescription([include]))
+    return service.run()
+
+
+COMMAND = Verb("Run a launch file", _run, _arguments)

@@ -1,0 +1,1 @@
+"""Messages as text, and text into messages, as the commands take and print them."""

@@ -1,0 +1,75 @@
+"""Numbers of topics over time as a picture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from course_kit.figures import COLOURS, FAINT, Plot, legend, style
+from course_kit.series.value_series import Series, Source, Values, values
+
+DOTS = 60  # with fewer messages each is drawn as a dot too
+
+
+def plot_values(
+    *what: Values | str,
+    source: Source | None = None,
+    seconds: float = 2.0,
+    together: bool = False,
+    title: str | None = None,
+) -> Plot:
+    """Numbers over time, one row a path, or all in one: what PlotJuggler shows.
+
+    Takes what values() returned, or paths and the `source` and `seconds` of values(). Raises ValueError if no message
+    came.
+    """
+    drawn = _series(what, source, seconds)
+    if not any(len(one) for one in drawn):
+        raise ValueError(f"no message came for {', '.join(one.path for one in drawn)}. Was its publisher running?")
+    row_count = 1 if together else len(drawn)
+    plot = Plot(10.4, 1.1 + (3.6 if row_count == 1 else 1.75 * row_count), title)
+    rows = plot.subplots(row_count, 1, squeeze=False, sharex=True)[:, 0]
+    start_ns = min(one.start_ns for one in drawn)
+    for number, one in enumerate(drawn):
+        draw_series(rows[0 if together else number], one, COLOURS[number % len(COLOURS)], start_ns)
+    for number, axes in enumerate(rows):
+        is_last = number == row_count - 1
+        style(axes, "time since the start [s]" if is_last else "", title="" if together else drawn[number].path)
+        widen(axes)
+        if together:
+            legend(axes, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+    return plot
+
+
+def _series(what: tuple[Values | str, ...], source: Source | None, seconds: float) -> list[Series]:
+    paths = [one for one in what if isinstance(one, str)]
+    for one in what:
+        if not isinstance(one, Values | str):
+            raise TypeError(f"plot_values() draws paths and what values() returned, not {type(one).__name__}")
+    read = values(*paths, source=source, seconds=seconds) if paths else Values([])
+    found = [series for one in what if isinstance(one, Values) for series in one.values()]
+    return [*found, *read.values()] or _nothing()
+
+
+def _nothing() -> Any:
+    raise TypeError("give paths of numbers, such as '/turtle1/pose.x', or what values() returned")
+
+
+def draw_series(axes: Axes, series: Series, colour: str, start_ns: int) -> None:
+    """One series as a line over the seconds since `start_ns`; a missing number leaves a gap."""
+    seconds = (series.receive_ns - start_ns) * 1e-9
+    dots: dict[str, Any] = {"marker": "o", "markersize": 3.5} if len(series) <= DOTS else {}
+    axes.plot(seconds, series.values, color=colour, linewidth=1.6, label=series.path, **dots)
+    if not np.isfinite(series.values).any():
+        axes.text(0.5, 0.5, "no number came", color=FAINT, transform=axes.transAxes, ha="center", va="center")
+
+
+def widen(axes: Axes) -> None:
+    """Widen the y axis around what is constant, so that its last digit does not look like an event."""
+    low, high = axes.get_ylim()
+    least = 1e-3 * max(abs(low), abs(high), 1e-9)
+    if high - low < least:
+        middle = (low + high) / 2
+        axes.set_ylim(middle - least, middle + least)

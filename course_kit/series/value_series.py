@@ -1,0 +1,221 @@
+"""Numbers of topics over time, named by their path: '/turtle1/pose.x'. Live, from a recording or from a bag; as CSV.
+
+What PlotJuggler is used for: `values('/turtle1/pose.x')`, then plot_values() or save_csv().
+"""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import math
+import os
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from rclpy.node import Node
+
+from course_kit import bags
+from course_kit.recordings.buffers import Int64s
+from course_kit.recordings.recording import Recording, record
+from course_kit.recordings.topic_recording import TopicRecording
+from course_kit.series import field_paths
+from course_kit.series.field_paths import FieldPath, Reader
+from course_kit.text import table
+from course_kit.watching import instruments, topics
+
+Source = Recording | TopicRecording | str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class Series:
+    """One number over time; both arrays have the shape (messages,)."""
+
+    path: str
+    receive_ns: Int64s  # when each message came, nanoseconds since the epoch
+    values: npt.NDArray[np.float64]
+    start_ns: int  # of the recording or the bag
+
+    @property
+    def times(self) -> npt.NDArray[np.float64]:
+        """When each message came: seconds since the start."""
+        return np.asarray((self.receive_ns - self.start_ns) * 1e-9, np.float64)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+
+class Values(Mapping[str, Series]):
+    """Series by path, shown as a table: `values('/turtle1/pose.x')['/turtle1/pose.x'].values` is a numpy array."""
+
+    def __init__(self, series: list[Series]) -> None:
+        self._series = {one.path: one for one in series}
+
+    def __getitem__(self, path: str) -> Series:
+        name = str(field_paths.parse(path))
+        if name not in self._series:
+            raise KeyError(f"{name} was not read; there are {', '.join(self._series)}")
+        return self._series[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._series)
+
+    def __len__(self) -> int:
+        return len(self._series)
+
+    def __repr__(self) -> str:
+        rows: list[tuple[str, ...]] = [("path", "messages", "from", "to", "min", "max", "mean", "last")]
+        for path, one in self._series.items():
+            there = one.values[np.isfinite(one.values)]
+            span = [f"{time:.2f} s" for time in one.times[[0, -1]]] if len(one) else ["-", "-"]
+            numbers = [there.min(), there.max(), there.mean(), one.values[-1]] if len(there) else []
+            rows.append((path, f"{len(one):,}", *span, *([f"{n:.4g}" for n in numbers] or ["-"] * 4)))
+        return table(rows, left=1)
+
+
+def values(*paths: str, source: Source | None = None, seconds: float = 2.0, timeout: float = 10.0) -> Values:
+    """Numbers over time by their paths, such as '/turtle1/pose.x', '/scan.ranges[0]', '/imu.orientation.w'.
+
+    Without `source` they are recorded for `seconds`, from the first message on; a topic that nobody publishes yet is
+    waited for, up to `timeout` seconds. Else `source` is what record() returned, or the path of a bag. Raises
+    ValueError for a field that is not there or no number, and says what was probably meant.
+    """
+    wanted = [field_paths.parse(path) for path in paths]
+    if not wanted:
+        raise TypeError("give paths of numbers, such as '/turtle1/pose.x'")
+    if isinstance(source, Recording | TopicRecording):
+        return from_recording(wanted, source)
+    if source is not None:
+        return from_bag(wanted, source)
+    types = live_types(wanted, timeout)
+    readers(wanted, types)  # refuses a bad path before it takes time to record
+    named = [item for topic, message_type in types.items() for item in (topic, message_type)]
+    return from_recording(wanted, record(*named, seconds=seconds, timeout=timeout))
+
+
+def live_types(wanted: list[FieldPath], timeout: float) -> dict[str, Any]:
+    """The message class of each topic in paths, as nodes publish them now. TimeoutError for one that none does."""
+    node = instruments.node()
+    for path in wanted:
+        if not path.field:  # '/turtle1/pose/x', as PlotJuggler writes it
+            names = _names_with(node, path.topic, timeout)
+            _refuse_slashes(path, names)
+    return topics.look_up(node, topics.with_types(list(dict.fromkeys(path.topic for path in wanted))), timeout)
+
+
+def _names_with(node: Node, topic: str, timeout: float) -> list[str]:
+    """The topics that are known; waits until the topic is among them, or one that its name begins with."""
+
+    def names() -> list[str]:
+        return [name for name, _ in node.get_topic_names_and_types()]
+
+    topics.wait_until(lambda: any(f"{topic}/".startswith(f"{name}/") for name in names()), timeout)
+    return names()
+
+
+def _refuse_slashes(path: FieldPath, there: Collection[str]) -> None:
+    parts = path.topic.split("/")
+    for end in range(len(parts) - 1, 1, -1):
+        topic, field = "/".join(parts[:end]), ".".join(parts[end:])
+        if topic in there and path.topic not in there:
+            raise ValueError(f"{path.topic} is no topic, but {topic} is one: write '{topic}.{field}'")
+
+
+def readers(wanted: list[FieldPath], types: Mapping[str, Any]) -> dict[FieldPath, Reader]:
+    """What reads the number of each path; ValueError for a path that is none."""
+    return {path: field_paths.reader(types[path.topic], path) for path in wanted}
+
+
+def from_recording(
+    wanted: list[FieldPath], recorded: Recording | TopicRecording, since: float = -math.inf, most: int | None = None
+) -> Values:
+    """The numbers in what was recorded up to now.
+
+    Only those from `since` on (seconds since its start), and of each topic no more than `most`, evenly chosen.
+    """
+    known = [recorded] if isinstance(recorded, TopicRecording) else list(recorded)
+    by_topic = {one.topic: one for one in known}
+    _check_topics(wanted, {one.topic: one.message_type for one in known}, "the recording")
+    of = readers(wanted, {topic: one.message_type for topic, one in by_topic.items()})
+    read: dict[FieldPath, list[float]] = {path: [] for path in of}
+    came: dict[str, Int64s] = {}
+    for topic, one in by_topic.items():
+        first = int(np.searchsorted(one.times, since))
+        part = slice(first, None, 1 if most is None else max(1, -(-(len(one) - first) // most)))
+        came[topic] = one.receive_ns[part]
+        here = [(read[path], reader) for path, reader in of.items() if path.topic == topic]
+        for message in one.messages[part] if here else ():
+            for found, reader in here:
+                found.append(reader(message))
+    return Values(
+        [
+            Series(str(path), came[path.topic], np.array(found), by_topic[path.topic].start_ns)
+            for path, found in read.items()
+        ]
+    )
+
+
+def from_bag(wanted: list[FieldPath], bag: str | os.PathLike[str]) -> Values:
+    """The numbers in a bag. Raises BagError if there is none."""
+    told = bags.info(bag)
+    names = {topic.name: topic.type for topic in told.topics}
+    _check_topics(wanted, names, f"the bag '{bag}'")
+    topics_read = dict.fromkeys(path.topic for path in wanted)
+    of = readers(wanted, {topic: topics.message_class(names[topic]) for topic in topics_read})
+    read: dict[FieldPath, list[float]] = {path: [] for path in of}
+    came: dict[str, list[int]] = {topic: [] for topic in topics_read}
+    by_topic = {t: [(read[path], one) for path, one in of.items() if path.topic == t] for t in topics_read}
+    for topic, nanoseconds, message in bags.read(bag, *topics_read):
+        came[topic].append(nanoseconds)
+        for found, reader in by_topic[topic]:
+            found.append(reader(message))
+    return Values(
+        [
+            Series(str(path), np.array(came[path.topic], np.int64), np.array(found), told.start)
+            for path, found in read.items()
+        ]
+    )
+
+
+def _check_topics(wanted: list[FieldPath], there: Mapping[str, Any], where: str) -> None:
+    for path in wanted:
+        if path.topic in there:
+            continue
+        _refuse_slashes(path, there)
+        last = path.topic.rsplit("/", 1)[-1]
+        near = difflib.get_close_matches(path.topic, there, n=1) or [t for t in there if t.endswith(f"/{last}")]
+        hint = f" Did you mean '{near[0]}.{path.field}'?" if near and path.field else ""
+        raise ValueError(f"{where} has no topic {path.topic}; it has {', '.join(sorted(there)) or 'none'}.{hint}")
+
+
+def save_csv(read: Values, file: str | os.PathLike[str]) -> Path:
+    """Write values into a CSV file, one column a path, one line for each moment at which a message came.
+
+    The first column is `time`, seconds since the start. A cell is empty where its topic had no message at that moment.
+    Returns the file's path.
+    """
+    if not isinstance(read, Values):
+        raise TypeError(f"save_csv() writes what values() returned, not {type(read).__name__}")
+    columns = [dict(zip(_moments(one.receive_ns), one.values.tolist(), strict=True)) for one in read.values()]
+    moments = sorted({moment for column in columns for moment in column})
+    start_ns = min((one.start_ns for one in read.values()), default=0)
+    place = Path(file)
+    with place.open("w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(["time", *read])
+        for moment in moments:
+            row = [column.get(moment) for column in columns]
+            writer.writerow([f"{(moment[0] - start_ns) * 1e-9:.9f}", *("" if v is None else repr(v) for v in row)])
+    return place
+
+
+def _moments(receive_ns: Int64s) -> Iterator[tuple[int, int]]:
+    """Each time of receipt, and how many messages of the topic came at the same nanosecond before."""
+    before, repeated = None, 0
+    for now in receive_ns.tolist():
+        repeated = repeated + 1 if now == before else 0
+        before = now
+        yield now, repeated

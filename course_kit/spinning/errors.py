@@ -1,0 +1,97 @@
+"""What went wrong in callbacks: kept, counted and described, as data."""
+
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+KEPT = 200
+
+
+@dataclass
+class CallbackError:
+    """An exception that a callback raised, and how often it did so in a row."""
+
+    node: str
+    exception: Exception
+    when: float = field(default_factory=time.time)  # seconds since the epoch, the last time
+    count: int = 1
+
+    @property
+    def frames(self) -> list[traceback.FrameSummary]:
+        """The student's part of the traceback: without rclpy and the course's own frames."""
+        frames = traceback.extract_tb(self.exception.__traceback__)
+        return [f for f in frames if not _is_plumbing(Path(f.filename))] or list(frames)
+
+    @property
+    def title(self) -> str:
+        """One line: type and text of the exception."""
+        return "".join(traceback.format_exception_only(type(self.exception), self.exception)).strip()
+
+    def __str__(self) -> str:
+        where = [f"    line {f.lineno} in {f.name}: {f.line}" for f in self.frames]
+        times = f" ({self.count} times)" if self.count > 1 else ""
+        return "\n".join([f"a callback of {self.node} raised {self.title}{times}", *where])
+
+    def same_place(self, other: CallbackError) -> bool:
+        """Whether the same line of the same node raised the same type again."""
+        if self.node != other.node or type(self.exception) is not type(other.exception):
+            return False
+        mine, others = self.frames, other.frames
+        return bool(mine and others) and (mine[-1].filename, mine[-1].lineno) == (
+            others[-1].filename,
+            others[-1].lineno,
+        )
+
+
+PLUMBING = (Path(__file__).parent, Path(__file__).parents[1] / "background")
+
+
+def _is_plumbing(path: Path) -> bool:
+    return "rclpy" in path.parts or path.parent in PLUMBING
+
+
+# Nodes of this process, whose errors are reported here.
+reporting: set[str] = set()
+_errors: deque[CallbackError] = deque(maxlen=KEPT)
+_listeners: list[Callable[[CallbackError], None]] = []
+_lock = threading.Lock()
+
+
+def report(node: str, exception: Exception) -> None:
+    """Keep an exception of a node's callback and tell the listeners."""
+    error = CallbackError(node, exception)
+    with _lock:
+        last = next((e for e in reversed(_errors) if e.node == node), None)
+        if last is not None and last.same_place(error):
+            last.count, last.when, last.exception = last.count + 1, error.when, exception
+            error = last
+        else:
+            _errors.append(error)
+    for listener in list(_listeners):
+        listener(error)
+
+
+def listen(listener: Callable[[CallbackError], None]) -> None:
+    """Have `listener` called, in the executor's thread, for each error from now on."""
+    if listener not in _listeners:
+        _listeners.append(listener)
+
+
+def errors(node: str | None = None) -> list[CallbackError]:
+    """The errors kept, oldest first; of one node if its full name is given."""
+    with _lock:
+        return [e for e in _errors if node is None or e.node == node]
+
+
+def clear(node: str | None = None) -> None:
+    """Forget the errors, or those of one node."""
+    with _lock:
+        kept = [e for e in _errors if node is not None and e.node != node]
+        _errors.clear()
+        _errors.extend(kept)

@@ -1,0 +1,145 @@
+"""One executor in a thread of its own, as one process on a robot has one executor for its node."""
+
+from __future__ import annotations
+
+import contextlib
+import contextvars
+import ctypes
+import inspect
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rclpy.action import ActionClient, ActionServer
+from rclpy.executors import Executor, ExternalShutdownException, ShutdownException, SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.task import Future
+
+from course_kit.spinning import NodeStopped
+
+# EventsExecutor's spin() without a timeout runs no callback at all; with one, however long, it works.
+EVENTS_TIMEOUT = 3600.0
+
+
+def executor_for(node: Node) -> Executor:
+    """The executor that suits a node: one thread, and the callback groups of rclpy where they matter.
+
+    rclpy's EventsExecutor has a third of the SingleThreadedExecutor's latency and keeps its speed beside other
+    threads, but does not look at callback groups. In one thread they matter to `async def` callbacks alone, so a
+    node that has one gets the SingleThreadedExecutor, and waits here where it would wait on a robot. So does one with
+    an action client or server: in rclpy 7.1.6 the EventsExecutor crashes when an action client gets an answer that
+    was not for it.
+    """
+    kind = SingleThreadedExecutor if minds_groups(node) else EventsExecutor
+    return kind(context=node.context)
+
+
+def minds_groups(node: Node) -> bool:
+    """Whether a node needs an executor that looks at callback groups, or has an action."""
+    if any(isinstance(waitable, ActionClient | ActionServer) for waitable in node.waitables):
+        return True
+    entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
+    return any(inspect.iscoroutinefunction(entity.callback) for entity in entities)
+
+
+def construct(node_class: type[Node], args: Sequence[Any], kwargs: Mapping[str, Any]) -> Node:
+    """Make a node of a class; if its constructor fails, nothing of it stays in the graph.
+
+    A half-made node lives on in the traceback. One of the same name in its context would be mixed up with it: the
+    middleware goes by names, and announces the publishers of the one as the other's.
+    """
+    node = node_class.__new__(node_class, *args, **kwargs)
+    try:
+        node_class.__init__(node, *args, **kwargs)
+    except BaseException:
+        if hasattr(node, "_Node__node"):  # rclpy had got as far as the graph
+            destroy(node)
+        raise
+    return node
+
+
+def destroy(node: Node) -> None:
+    """Destroy a node that no executor spins any more, with its action servers and clients, which rclpy leaves."""
+    try:
+        node.destroy_node()  # first: the student's own may destroy an action server, which goes only once
+    except Exception:  # the student's own fails, or has done it before
+        with contextlib.suppress(Exception):
+            Node.destroy_node(node)
+    for waitable in list(node.waitables):
+        if isinstance(waitable, ActionClient | ActionServer):
+            with contextlib.suppress(Exception):
+                waitable.destroy()
+
+
+class SpinThread:
+    """Spins `executor` until stop(); an exception in a callback goes to `on_error` and the spinning goes on."""
+
+    def __init__(self, name: str, executor: Executor, on_error: Callable[[Exception], None]) -> None:
+        self.executor = executor
+        self._on_error = on_error
+        self._stopping = Future()
+        # A copy of the cell's context: what a callback prints appears under the cell that started the node.
+        target = contextvars.copy_context().run
+        self._thread = threading.Thread(target=target, args=(self._spin,), name=name, daemon=True)
+
+    def start(self) -> None:
+        _threads[self._thread] = self
+        self._thread.start()
+
+    @property
+    def is_alive(self) -> bool:
+        return self._thread.is_alive()
+
+    def _spin(self) -> None:
+        while not self._stopping.done() and self.executor.context.ok():
+            try:
+                if isinstance(self.executor, Executor):
+                    self.executor.spin_once()
+                else:
+                    self.executor.spin_until_future_complete(self._stopping, timeout_sec=EVENTS_TIMEOUT)
+            except (ExternalShutdownException, ShutdownException, NodeStopped):
+                return
+            except Exception as error:
+                if self._stopping.done():
+                    return
+                self._on_error(error)
+
+    def stop(self, timeout: float = 1.0) -> bool:
+        """End the thread; return whether it ended within `timeout` seconds or so.
+
+        A callback that does not return in time has NodeStopped raised inside it.
+        """
+        self._stopping.set_result(None)
+        with contextlib.suppress(Exception):  # the context may be gone
+            self.executor.create_task(lambda: None)  # wake() alone does not end spin_once()
+        if self._thread is not threading.current_thread() and self._thread.is_alive():
+            self._thread.join(timeout)
+            if self._thread.is_alive():
+                self._interrupt()
+                self._thread.join(0.5)
+        if not self._thread.is_alive():
+            _threads.pop(self._thread, None)
+        return not self._thread.is_alive()
+
+    def _interrupt(self) -> None:
+        """Raise NodeStopped in the thread: ends Python loops at once and a sleep when it is over."""
+        if self._thread.ident is not None:
+            ident = ctypes.c_ulong(self._thread.ident)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ident, ctypes.py_object(NodeStopped))
+
+
+_threads: dict[threading.Thread, SpinThread] = {}
+
+
+def current() -> SpinThread | None:
+    """The SpinThread whose callback is running now, or None outside of callbacks."""
+    return _threads.get(threading.current_thread())
+
+
+def executor_of(node: Node) -> Executor | None:
+    """The executor that spins a node in a SpinThread, or None."""
+    for spinning in list(_threads.values()):
+        if spinning.is_alive and node in spinning.executor.get_nodes():
+            return spinning.executor
+    return None

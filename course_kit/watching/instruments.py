@@ -1,0 +1,161 @@
+"""The node and the threads that everything which only watches shares: recorder, rates, graph, views, commands.
+
+They are apart from the student's nodes: a student's callback that blocks stalls its own node, not the instruments.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.executors import Executor, ExternalShutdownException, ShutdownException
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from rclpy.task import Future
+
+from course_kit.spinning import context, errors
+from course_kit.watching import topics
+from course_kit.watching.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
+
+MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be matched
+
+
+@dataclass
+class _Instruments:
+    """What runs for one start of the ROS context."""
+
+    start: int
+    node: Node
+    executor: Executor
+    watcher: Watcher
+    spinning: threading.Thread
+    stopped: Future
+
+
+_lock = threading.RLock()
+_instruments: _Instruments | None = None
+_name_prefix, _with_rosout = "_course_kit", False
+
+
+def appear_as(name_prefix: str, with_rosout: bool) -> None:
+    """Name the node after this prefix and the process, from its next start on: in a terminal `ros2` looks like ROS's.
+
+    `with_rosout` says whether it has a /rosout publisher, as every plain node.
+    """
+    global _name_prefix, _with_rosout
+    _name_prefix, _with_rosout = name_prefix, with_rosout
+
+
+def node() -> Node:
+    """The node of the instruments, spun in a thread of its own: for clients, timers, publishers and the graph.
+
+    Its name is hidden. Start and restart (after rclpy.shutdown()) are automatic, so ask for it anew at each use.
+    """
+    return _running().node
+
+
+def executor() -> Executor:
+    """The executor of node(); what must run in its thread, such as destroying entities, goes to create_task()."""
+    return _running().executor
+
+
+def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeout: float = 10.0) -> RawSubscription:
+    """Have `callback(serialised message, message info)` called, in the watching thread, for every message of a topic.
+
+    Without `msg_type` (class or name) the type is looked up, which waits up to `timeout` seconds for the topic. The
+    QoS follows the publishers. Raises TimeoutError if nobody publishes the topic, TypeError if its type is another
+    or two, ValueError for a bad name. End it with .close().
+    """
+    name = topics.absolute(topic)
+    running = _running()
+    if msg_type is None:
+        msg_type = topics.wait_for_type(running.node, name, timeout)
+    message_type = topics.message_class(msg_type) if isinstance(msg_type, str) else msg_type
+    topics.check_type(running.node, name, topics.type_name(message_type))
+    published = topics.publishers(running.node, name)
+    qos = topics.qos_for(name, published)
+    subscription = running.watcher.subscribe(name, message_type, qos, callback)
+    topics.wait_until(lambda: subscription.publisher_count >= len(published), MATCH_TIMEOUT)
+    return subscription
+
+
+def subscribe_exactly(
+    topic: str, callback: Callback, message_type: Any, qos: QoSProfile, on_refused: Refused
+) -> RawSubscription:
+    """As subscribe(), with this QoS whatever publishers offer; `on_refused(policy)` is called if one offers less."""
+    return _running().watcher.subscribe(topic, message_type, qos, callback, on_refused)
+
+
+def _running() -> _Instruments:
+    """The instruments of the current ROS context; made if there are none yet."""
+    global _instruments
+    start = context.start()
+    context.before_stop(stop)
+    with _lock:
+        if _instruments is not None:
+            if _instruments.start == start and _instruments.watcher.is_alive:
+                return _instruments
+            stop()  # those of a context that was shut down
+        _instruments = _make(start)
+        return _instruments
+
+
+def _make(start: int) -> _Instruments:
+    made = Node(
+        f"{_name_prefix}_{os.getpid()}",
+        start_parameter_services=False,
+        enable_rosout=_with_rosout,
+        parameter_overrides=[Parameter("start_type_description_service", value=False)],
+    )
+    own_executor = EventsExecutor()
+    own_executor.add_node(made)
+    stopped = Future()
+    watcher = Watcher(made, lambda error: errors.report(made.get_fully_qualified_name(), error))
+    thread = threading.Thread(
+        target=_spin, args=(own_executor, made, stopped), name="course_kit instruments", daemon=True
+    )
+    thread.start()
+    return _Instruments(start, made, own_executor, watcher, thread, stopped)
+
+
+def _spin(own_executor: Executor, made: Node, stopped: Future) -> None:
+    name = made.get_fully_qualified_name()
+    while not stopped.done() and made.context.ok():
+        try:
+            # Without a finite timeout the EventsExecutor runs no callback at all.
+            own_executor.spin_until_future_complete(stopped, timeout_sec=3600)
+        except (ExternalShutdownException, ShutdownException):
+            return
+        except Exception as error:
+            if not stopped.done():
+                errors.report(name, error)
+
+
+def stop() -> None:
+    """End the threads, then the node; the next use starts them again."""
+    global _instruments
+    with _lock:
+        ending, _instruments = _instruments, None
+    if ending is None:
+        return
+    ending.watcher.stop()
+    if discovery := sys.modules.get("course_kit.ros_graph.discovery"):
+        discovery.forget(ending.node)
+    with contextlib.suppress(Exception):  # each of these fails if a student shut ROS down before
+        ending.stopped.set_result(True)
+    with contextlib.suppress(Exception):
+        ending.executor.create_task(lambda: None)
+    if threading.current_thread() is not ending.spinning:
+        ending.spinning.join(2.0)
+    with contextlib.suppress(Exception):
+        ending.executor.remove_node(ending.node)
+    with contextlib.suppress(Exception):
+        ending.node.destroy_node()
+    with contextlib.suppress(Exception):
+        ending.executor.shutdown(timeout_sec=1.0)
