@@ -6,7 +6,6 @@ Importing this package starts nothing and is quick; each name below is loaded wh
 from __future__ import annotations
 
 import importlib
-import sys
 from typing import Any
 
 # Where each public name comes from.
@@ -52,20 +51,9 @@ __all__ = sorted(EXPORTS)
 def __getattr__(name: str) -> Any:
     if name not in EXPORTS:
         raise AttributeError(f"module 'course_kit' has no attribute {name!r}")
-    importlib.import_module("course_kit.background.guards").install()
-    if in_kernel():
-        for console in ("console", "process_console"):
-            importlib.import_module(f"course_kit.live.{console}").attach()
     value = getattr(importlib.import_module(f"course_kit.{EXPORTS[name]}"), name)
     globals()[name] = value
     return value
-
-
-def in_kernel() -> bool:
-    """Whether a Jupyter kernel runs this, without importing Jupyter where none is."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    return shell is not None and hasattr(shell, "kernel")
 
 
 def __dir__() -> list[str]:

@@ -30,3 +30,16 @@ def test_importing_the_package_starts_nothing_and_is_quick():
     code = "import sys, course_kit; print([m for m in ('rclpy', 'matplotlib', 'IPython') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.stdout == "[]\n"
+
+
+def test_importing_a_name_changes_nothing_in_rclpy():
+    code = (
+        "import rclpy, rclpy.executors, rclpy.action, rclpy.client, course_kit\n"
+        "parts = (rclpy, rclpy.executors.Executor, rclpy.client.Client, rclpy.action.ActionClient)\n"
+        "before = [dict(vars(part)) for part in parts]\n"
+        "names = [getattr(course_kit, name) for name in course_kit.EXPORTS]\n"
+        "for part, held in zip(parts, before):\n"
+        "    print([name for name, value in vars(part).items() if name in held and held[name] is not value])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (done.stdout, done.stderr) == ("[]\n[]\n[]\n[]\n", "")

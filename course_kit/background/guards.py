@@ -20,7 +20,6 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.background import waiting
 from course_kit.spinning import NodeAlreadyRuns, executors
 from course_kit.spinning import context as ros_context
 
@@ -115,7 +114,7 @@ def _refusing(method: Callable[..., Any], name: str) -> Callable[..., Any]:
     def guarded(self: Any, *args: Any, **kwargs: Any) -> Any:
         waits_for_ever = kwargs.get("timeout_sec") is None and len(args) < 2
         if waits_for_ever and _belongs_to_this_thread(self):
-            waiting.refuse_in_callback(name)
+            executors.refuse_in_callback(name)
         return method(self, *args, **kwargs)
 
     return guarded

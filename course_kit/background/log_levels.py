@@ -13,9 +13,10 @@ from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 
-from course_kit.background import running, waiting
+from course_kit.background import running
 from course_kit.node_logs.rosout import LEVELS, level_number
 from course_kit.ros_graph import graph
+from course_kit.spinning import executors
 from course_kit.watching import instruments, topics
 
 DEFAULT = "INFO"  # where no level was set
@@ -85,7 +86,7 @@ def _wait_for_node(node: Node | str, timeout: float) -> str:
 
 
 def _call(service_type: Any, node: str, service: str, request: Any, timeout: float) -> Any:
-    waiting.refuse_in_callback("a logger service")
+    executors.refuse_in_callback("a logger service")
     client = instruments.node().create_client(service_type, f"{node}/{service}")
     try:
         if not topics.wait_until(client.service_is_ready, min(timeout, 2.0)):

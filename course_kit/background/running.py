@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from course_kit.background import guards
 from course_kit.node_logs import rosout
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
@@ -76,6 +77,7 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
     MultiThreadedExecutor; without one the node has a single thread. Raises TypeError for what is neither a Node class
     nor a node.
     """
+    guards.install()
     start = context.start()
     rosout.collect()
     sys.setswitchinterval(SWITCH_INTERVAL)

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from course_kit.background import running
 from course_kit.programs import processes
-from course_kit.spinning import BlockingWait, executors
+from course_kit.spinning import executors
 
 
 class FutureLike(Protocol):
@@ -33,7 +33,7 @@ def wait_for(awaited: FutureLike | Callable[[], Any], timeout: float = 5.0, what
     `timeout` in seconds; `what` names the awaited thing in the error. Raises TimeoutError with what did not come
     and what to look at, and BlockingWait if called from a callback. Stands for rclpy.spin_until_future_complete().
     """
-    refuse_in_callback("wait_for()")
+    executors.refuse_in_callback("wait_for()")
     if hasattr(awaited, "add_done_callback"):
         return _wait_for_future(awaited, timeout, what)  # type: ignore[arg-type]
     if not callable(awaited):
@@ -42,16 +42,6 @@ def wait_for(awaited: FutureLike | Callable[[], Any], timeout: float = 5.0, what
             f"it is time to go on, not {type(awaited).__name__}. Write: wait_for(lambda: ...)"
         )
     return _wait_for_condition(awaited, timeout, what)
-
-
-def refuse_in_callback(what: str) -> None:
-    """Raise BlockingWait if a callback of a background node is running in this thread."""
-    if executors.current() is not None:
-        raise BlockingWait(
-            f"{what} inside a callback would wait for ever: the answer can only be delivered by the executor that is "
-            f"busy running this callback. Make the callback `async def` and await the future of call_async(), "
-            f"or add a done callback to it."
-        )
 
 
 def _wait_for_future(future: FutureLike, timeout: float, what: str | None) -> Any:

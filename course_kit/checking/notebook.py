@@ -6,6 +6,7 @@ import os
 import sys
 from typing import Any
 
+from course_kit import kernel
 from course_kit.checking import client, progress
 from course_kit.examining.lines import as_json
 from course_kit.examining.verdict import NOT_BEGUN, Verdict
@@ -45,9 +46,8 @@ def _be_strict(reason: str) -> None:
 
 def _names() -> dict[str, Any]:
     """The variables of the notebook, or of the program that was started."""
-    ipython = sys.modules.get("IPython")
-    shell = ipython.get_ipython() if ipython is not None else None
-    return shell.user_ns if shell is not None else vars(sys.modules["__main__"])
+    running = kernel.shell()
+    return running.user_ns if running is not None else vars(sys.modules["__main__"])
 
 
 class _Shown:
@@ -64,8 +64,7 @@ class _Shown:
 
 
 def _show(verdict: Verdict) -> None:
-    ipython = sys.modules.get("IPython")
-    if ipython is not None and ipython.get_ipython() is not None:
+    if kernel.shell() is not None:
         from IPython.display import display
 
         display(_Shown(verdict))

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-import course_kit
 from course_kit.faults import all_faults, health, robots_manual
 from course_kit.faults.fault import PROGRAMS, Fault
 from course_kit.faults.system import System
@@ -53,7 +52,6 @@ def start(name: str | None = None, *, seed: int | None = None) -> Told:
         fault = all_faults.pick(seed) if seed is not None else all_faults.find(name) if name is not None else None
     except (TypeError, ValueError) as error:
         return _refused(str(error))
-    _ = course_kit.start  # its first use puts the consoles of processes in place
     with _lock:
         _lab.fault, _lab.hints_given, _lab.cause_found = fault, 0, False
         if _lab.system.ghost_seconds > 1.0:

@@ -25,12 +25,12 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit import bags
-from course_kit.background.waiting import refuse_in_callback
 from course_kit.bags.files import OpenBag, opened
 from course_kit.node_logs import rosout
 from course_kit.replays.lockstep import OF_EVERY_NODE, LockStep
 from course_kit.replays.replayed import Replayed
 from course_kit.spinning import context
+from course_kit.spinning.executors import refuse_in_callback
 from course_kit.watching import topics
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-import course_kit
+from course_kit.kernel import in_kernel
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -30,7 +30,7 @@ class Session:
     """
 
     def __init__(self, args: Namespace) -> None:
-        self.in_notebook = course_kit.in_kernel()
+        self.in_notebook = in_kernel()
         self._spin_time: float | None = getattr(args, "spin_time", None)
         duration: float | None = getattr(args, "duration", None)
         self._deadline = None if duration is None else time.monotonic() + duration

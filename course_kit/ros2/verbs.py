@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import course_kit
+from course_kit.kernel import in_kernel
 
 if TYPE_CHECKING:
     from course_kit.ros2.session import Session
@@ -69,5 +69,5 @@ def add_node_arguments(parser: ArgumentParser) -> None:
 
 def add_duration_argument(parser: ArgumentParser) -> None:
     """The course's own option of verbs that go on until they are interrupted; a terminal's usage does not name it."""
-    shown = "End after S seconds" if course_kit.in_kernel() else SUPPRESS
+    shown = "End after S seconds" if in_kernel() else SUPPRESS
     parser.add_argument("--duration", type=float, default=None, metavar="S", help=shown)

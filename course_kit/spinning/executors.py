@@ -16,7 +16,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.spinning import NodeStopped
+from course_kit.spinning import BlockingWait, NodeStopped
 
 # EventsExecutor's spin() without a timeout runs no callback at all; with one, however long, it works.
 EVENTS_TIMEOUT = 3600.0
@@ -143,3 +143,13 @@ def executor_of(node: Node) -> Executor | None:
         if spinning.is_alive and node in spinning.executor.get_nodes():
             return spinning.executor
     return None
+
+
+def refuse_in_callback(what: str) -> None:
+    """Raise BlockingWait if a callback of a background node is running in this thread."""
+    if current() is not None:
+        raise BlockingWait(
+            f"{what} inside a callback would wait for ever: the answer can only be delivered by the executor that is "
+            f"busy running this callback. Make the callback `async def` and await the future of call_async(), "
+            f"or add a done callback to it."
+        )

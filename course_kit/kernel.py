@@ -1,0 +1,17 @@
+"""Whether this process is a Jupyter kernel, found out without importing Jupyter where none runs."""
+
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+
+def shell() -> Any | None:
+    """The IPython shell that runs in this process, or None."""
+    ipython = sys.modules.get("IPython")
+    return ipython.get_ipython() if ipython is not None else None
+
+
+def in_kernel() -> bool:
+    """Whether cells of a notebook run in this process."""
+    return hasattr(shell(), "kernel")
