@@ -251,8 +251,8 @@ PROGRAM = """
 import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
-from course_kit import context, instruments
-from course_kit.ros_graph import topics
+from course_kit.spinning import context
+from course_kit.watching import instruments, topics
 got = []
 subscription = instruments.subscribe('/program', lambda message, info: got.append(message), String)
 talker = Node('talker')

@@ -149,5 +149,5 @@ def test_a_bad_path_and_the_end_of_ros_are_survived(kernel: Kernel) -> None:
     (error,) = [m["content"] for m in kernel.of(cell) if m["msg_type"] == "error"]
     assert error["ename"] == "ValueError" and "Did you mean '/turtle1/pose.x'?" in error["evalue"]
     kernel.run("view = watch_rates(period=0.1); panel = watch_logs(); used = watch_resources(period=0.1)")
-    kernel.run("from course_kit import context; context.stop()", 30)
+    kernel.run("from course_kit.spinning import context; context.stop()", 30)
     assert value(kernel, "view.is_running, used.is_running") == "False False"

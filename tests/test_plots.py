@@ -219,7 +219,7 @@ def test_a_cell_that_ends_in_a_plot_shows_it_once_and_one_that_does_not_shows_no
     kernel = Kernel()
     try:
         kernel.run(
-            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit.ros_graph import topics\n"
+            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit.watching import topics\n"
             "from course_kit.recordings.recording import record\nfrom course_kit.recordings.plots import plot_rates"
         )
         assert pictures(kernel, kernel.run(CELL + "plot_rates(recording)")) == ["image/png"]

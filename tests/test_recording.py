@@ -300,7 +300,7 @@ import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
 from course_kit.recordings.recording import record
-from course_kit.ros_graph import topics
+from course_kit.watching import topics
 recording = record('/program', String)
 publisher = Node('talker').create_publisher(String, '/program', 10)
 publisher.publish(String(data='x'))

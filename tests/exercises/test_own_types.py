@@ -13,7 +13,7 @@ from course_kit.exercises.workspace import BATTERY, RECHARGE
 from tests.kernel import Kernel
 
 USE = """
-from course_kit.checking import own_types
+from course_kit.examining import own_types
 own_types.provide("my_interfaces")
 Polygon = own_types.load("my_interfaces/action/Polygon")
 print(Polygon.Goal().sides)
