@@ -200,10 +200,10 @@ find_uv() {
 }
 
 install_packages() {
-    local ros options=()
+    local ros
     ros=$(bare "$venv/bin/python" ros)
-    [[ -z $ros ]] || { say "Using the ROS 2 in $ros." && options=(--no-ros); }
-    bare "$venv/bin/python" pins "${options[@]}" > build/requirements.txt
+    [[ -z $ros ]] || say "Using the ROS 2 in $ros."
+    bare "$venv/bin/python" pins > build/requirements.txt
     install --require-hashes -r build/requirements.txt || die "The packages could not be installed; see above. Set-up needs the network, once."
     say "Installing the course itself; its ROS 2 interfaces are compiled the first time."
     install --no-deps -e . || die "The course could not be installed; see above."

@@ -63,6 +63,8 @@ def test_without_a_compiler_ziglang_takes_its_place(tmp_path):
     check = python.compiler({"PATH": str(tmp_path)}, some_python(), ros=None, ready=False)
     assert check.status == "WARN"
     assert "ziglang" in check.reason
+    brought = some_python(distributions={"ziglang": "0.17.0"})
+    assert python.compiler({"PATH": str(tmp_path)}, brought, ros=None, ready=True).status == "PASS"
     check = python.compiler({"PATH": str(tmp_path)}, some_python(), ros=None, ready=True)
     assert (check.status, check.cure) == ("WARN", "sudo apt-get install -y g++")
     assert "chapter 2" in check.reason

@@ -11,7 +11,8 @@ from importlib.abc import MetaPathFinder
 from pathlib import Path
 from types import ModuleType
 
-_LIBRARY = re.compile(r"lib(\w+?)__rosidl_\w+\.so")
+# Not those for C++, which Python does not use: with the compiler that is a wheel they lack what g++ names otherwise.
+_LIBRARY = re.compile(r"lib(\w+?)__rosidl_\w+(?<!_cpp)\.so")
 _libraries: dict[str, list[Path]] = {}  # interface package -> its libraries
 _loaded: dict[Path, tuple[int, int]] = {}  # library -> its version when it was loaded
 

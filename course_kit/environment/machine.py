@@ -8,9 +8,9 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
+from course_kit.environment.compiler import OLDEST_GLIBC
 from course_kit.environment.report import Check, fail, passed, warn
 
-OLDEST_GLIBC = (2, 28)  # the ROS 2 wheels are manylinux_2_28
 NEEDED_MEMORY = 1000  # MB: JupyterLab, two kernels, a browser page
 NEEDED_DISK = 1500  # MB: the environment, what is compiled, the installer's cache
 SPARE_DISK = 200  # MB: recordings, bags, workspaces of the chapters

@@ -2,15 +2,18 @@
 
 Runs before anything is installed, so it uses the standard library alone:
 
-    python course_kit/environment/pins.py             the lock, with hashes
-    python course_kit/environment/pins.py --no-ros    the same without what comes with ROS 2 from apt
+    python -m course_kit.environment.pins    the part of the lock that is installed here, with hashes
 """
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+
+from course_kit.environment import compiler
+from course_kit.environment.activation import sourced_ros
 
 LOCK = Path(__file__).with_name("requirements.lock")
 # What apt's ROS 2 depends on and so has brought, beside the wheels of ROS 2. Its colcon is a package that many do not
@@ -38,22 +41,30 @@ def is_ros(name: str) -> bool:
     return name.startswith("ros-") or name in BROUGHT_BY_ROS
 
 
-def requirements(with_ros: bool) -> list[str]:
+def compiler_is_wanted(environ: Mapping[str, str]) -> bool:
+    """Whether to install the compiler that is a wheel: the machine has none, and ROS 2 is not one that g++ compiled."""
+    return sourced_ros(environ) is None and compiler.of_the_machine(environ) is None
+
+
+def installed(with_ros: bool, with_compiler: bool) -> Iterator[str]:
+    """Each requirement of the lock that is meant for a machine, with its lines of hashes."""
+    for name, lines in blocks(LOCK.read_text()):
+        if (with_ros or not is_ros(name)) and (with_compiler or name != compiler.WHEEL):
+            yield lines
+
+
+def requirements(with_ros: bool, with_compiler: bool = False) -> list[str]:
     """Every pin as a requirement (PEP 508), without hashes."""
-    return [
-        lines.splitlines()[0].rstrip("\\ ") for name, lines in blocks(LOCK.read_text()) if with_ros or not is_ros(name)
-    ]
+    return [lines.splitlines()[0].rstrip("\\ ") for lines in installed(with_ros, with_compiler)]
 
 
 def versions(names: Iterable[str]) -> list[str]:
     """The pins of some packages; KeyError if one is not in the lock."""
     pinned: dict[str, list[str]] = {}
-    for requirement in requirements(with_ros=True):
+    for requirement in requirements(with_ros=True, with_compiler=True):
         pinned.setdefault(requirement.partition("==")[0], []).append(requirement)
     return [requirement for name in names for requirement in pinned[name]]
 
 
 if __name__ == "__main__":
-    sys.stdout.write(
-        "".join(lines for name, lines in blocks(LOCK.read_text()) if "--no-ros" not in sys.argv or not is_ros(name))
-    )
+    sys.stdout.write("".join(installed(sourced_ros(os.environ) is None, compiler_is_wanted(os.environ))))

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from course_kit.environment import stamp
 from course_kit.environment.activation import RosInstallation, split_paths
+from course_kit.environment.compiler import WHEEL as ZIG
+from course_kit.environment.compiler import of_the_machine
 from course_kit.environment.interpreter import (
     NEWEST,
     OLDEST,
@@ -136,7 +137,7 @@ def python_path(environ: Mapping[str, str]) -> Check:
 
 
 def compiler(environ: Mapping[str, str], python: Interpreter, ros: RosInstallation | None, ready: bool) -> Check:
-    """Python.h and a C++ compiler: set-up compiles interfaces, for which ziglang does too, and so does chapter 2."""
+    """Python.h and a C++ compiler: what set-up and chapter 2 compile with."""
     name = "compiler"
     packages = [] if ready else interfaces_to_compile(ros)
     chapter = "the packages that you build in chapter 2 need it; the other chapters do not"
@@ -145,8 +146,10 @@ def compiler(environ: Mapping[str, str], python: Interpreter, ros: RosInstallati
         needed = lacking(python.version, has_venv=True, has_headers=False, compiles=True)
         cure = f"sudo apt-get install -y {' '.join(needed)}"
         return report(name, f"Python.h of {python.path} is missing", reason, cure)
-    found = environ.get("CXX") or shutil.which("c++", path=environ.get("PATH"))
+    found = of_the_machine(environ)
     if found:
         return passed(name, found)
-    instead = "set-up will fetch the compiler ziglang instead (100 MB) and take about 2 minutes longer"
+    if ready and ZIG in python.distributions:
+        return passed(name, f"{ZIG} {python.distributions[ZIG]}, which set-up has brought: there is no c++")
+    instead = f"set-up will fetch the compiler {ZIG} instead (100 MB) and take about a minute longer"
     return warn(name, "no c++", instead if packages else chapter, "sudo apt-get install -y g++")

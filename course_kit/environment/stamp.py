@@ -32,6 +32,7 @@ def sources(root: Path) -> Iterator[Path]:
     kit = root / "course_kit"
     yield root / "pyproject.toml"
     yield kit / "environment/requirements.lock"
+    yield kit / "environment/compiler.py"
     yield kit / "environment/pins.py"
     yield kit / "interfaces/build_hook.py"
     yield kit / "interfaces/rosidl.py"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import shutil
 import sys
 import sysconfig
 from pathlib import Path
@@ -16,7 +15,7 @@ from hatchling.metadata.plugin.interface import MetadataHookInterface
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from course_kit.environment import pins  # noqa: E402
+from course_kit.environment import compiler, pins  # noqa: E402
 from course_kit.environment.activation import sourced_ros  # noqa: E402
 from course_kit.interfaces import rosidl  # noqa: E402
 
@@ -30,7 +29,7 @@ BUILD_WHEELS = (
     "empy",
     "numpy",
 )
-ZIG = "ziglang==0.17.0"  # a whole C++ compiler in a wheel, for machines that have none
+TOOLS = "share/course_kit/compiler"
 
 
 class RosMetadata(MetadataHookInterface):
@@ -38,7 +37,9 @@ class RosMetadata(MetadataHookInterface):
 
     def update(self, metadata: dict[str, Any]) -> None:
         ros = sourced_ros(os.environ)
-        metadata["dependencies"] = pins.requirements(with_ros=ros is None)
+        metadata["dependencies"] = pins.requirements(
+            with_ros=ros is None, with_compiler=pins.compiler_is_wanted(os.environ)
+        )
         has_command = ros is not None and ros.has_package("ros2cli")
         ours = {} if has_command else {"ros2": "course_kit.ros2.command:main"}
         metadata["scripts"] = {**ours, "course": "course_kit.course_command:main"}
@@ -56,9 +57,8 @@ class Interfaces(BuildHookInterface):
     def dependencies(self) -> list[str]:
         if not self.packages():
             return []
-        wheels = pins.versions(BUILD_WHEELS)
-        has_compiler = shutil.which("c++") or "CXX" in os.environ
-        return wheels if has_compiler else [*wheels, ZIG]
+        has_compiler = compiler.of_the_machine(os.environ)
+        return pins.versions(BUILD_WHEELS if has_compiler else (*BUILD_WHEELS, compiler.WHEEL))
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         work = ROOT / "build" / f"rosidl-{sysconfig.get_config_var('SOABI')}"
@@ -66,6 +66,8 @@ class Interfaces(BuildHookInterface):
         include, shared = self._startup(work), build_data["shared_data"]
         for path in sorted(p for p in PREFIX.rglob("*") if p.is_file()):
             shared[str(path)] = str(path.relative_to(PREFIX))
+        if pins.compiler_is_wanted(os.environ):
+            shared |= self._tools(work / "compiler")
         packages = self.packages()
         if packages:
             for name, folder in self._compiled(packages, work).items():
@@ -84,6 +86,13 @@ class Interfaces(BuildHookInterface):
         path = work / "course_kit_environment.pth"
         path.write_text("import course_kit.environment.activation as a; a.activate()\n")
         return {str(path): path.name}
+
+    @staticmethod
+    def _tools(folder: Path) -> dict[str, str]:
+        """The commands by which CMake finds the compiler that comes as a wheel."""
+        folder.mkdir(exist_ok=True)
+        compiler.write_tools(folder, to_prefix="../" * len(Path(TOOLS).parts))
+        return {str(p): f"{TOOLS}/{p.relative_to(folder)}" for p in folder.rglob("*") if p.is_file()}
 
     def _compiled(self, packages: dict[str, Path], work: Path) -> dict[str, Path]:
         """Compile, unless the same definitions were compiled before."""

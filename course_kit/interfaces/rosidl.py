@@ -11,20 +11,17 @@ shared libraries beside them:
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import json
 import multiprocessing
 import os
-import platform
-import shlex
-import shutil
 import subprocess
-import sys
 import sysconfig
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from course_kit.environment import compiler
+from course_kit.environment.compiler import Compiler
 
 KINDS = ("msg", "srv", "action")
 # Services and actions use types of these packages without naming them in their definition.
@@ -40,39 +37,6 @@ GENERATORS = (
 )
 
 
-class CompileError(SystemExit):
-    """Something that compiling needs is missing; the text says what to install."""
-
-
-@dataclass(frozen=True)
-class Compiler:
-    """The commands that compile C and C++."""
-
-    c: list[str]
-    cxx: list[str]
-
-
-def find_compiler() -> Compiler:
-    """$CC and $CXX, else cc and c++, else the compiler in the PyPI package ziglang."""
-    if not Path(sysconfig.get_path("include"), "Python.h").exists():
-        raise CompileError(
-            f"Python.h of {sys.executable} is missing, and compiling the ROS interfaces needs it. "
-            f"Install it: sudo apt-get install python3.{sys.version_info.minor}-dev"
-        )
-    commands = []
-    for variable, name in (("CC", "cc"), ("CXX", "c++")):
-        if os.environ.get(variable):
-            commands.append(shlex.split(os.environ[variable]))
-        elif shutil.which(name):
-            commands.append([name])
-        elif importlib.util.find_spec("ziglang"):
-            target = f"{platform.machine()}-linux-gnu.2.28"
-            commands.append([sys.executable, "-m", "ziglang", name, "-target", target, "-mcpu=baseline"])
-        else:
-            raise CompileError("No C++ compiler. Install one: sudo apt-get install g++, or set CC and CXX.")
-    return Compiler(*commands)
-
-
 def ros_prefix() -> Path:
     """Where include/, lib/ and share/ of the ROS packages are."""
     module = importlib.import_module("rosidl_pycommon")
@@ -83,13 +47,12 @@ def build(packages: dict[str, Path], work: Path) -> dict[str, Path]:
     """Build packages {name: folder with msg/, srv/, action/}; return {name: folder to install as a module}.
 
     `work` also receives share/<package> with the .idl files and the type descriptions with their hashes.
-    Raises CompileError if there is no compiler, CalledProcessError if compiling fails.
+    Raises compiler.CompileError if there is no compiler, CalledProcessError if compiling fails.
     """
     work = work.resolve()
     work.mkdir(parents=True, exist_ok=True)
-    compiler = find_compiler()
-    generated = _generate(packages, work)
-    return _compile(generated, compiler, work)
+    tools = compiler.find(work)
+    return _compile(_generate(packages, work), tools, work)
 
 
 Generated = dict[str, dict[str, list[str]]]  # package -> generator -> files written
@@ -226,10 +189,11 @@ def _link(package: str, objects: list[list[str]], compiler: Compiler, work: Path
         return [f"{dependency}__{kind}" for dependency in DEPENDENCIES for kind in kinds]
 
     def link(name: str, objects: list[str], own: list[str], libraries: list[str]) -> None:
-        # Own libraries are needed at run time although no symbol of them is used: --no-as-needed.
+        # Own libraries are needed at run time although no symbol of them is used: --no-as-needed. Not stripped: for
+        # that zig would compile its C++ library another time.
         subprocess.run(
             [
-                *compiler.cxx, "-shared", "-s", "-Wl,-rpath,$ORIGIN", f"-Wl,-soname,{name}",
+                *compiler.cxx, "-shared", "-Wl,-rpath,$ORIGIN", f"-Wl,-soname,{name}",
                 "-o", folder / name, *objects, f"-L{folder}", f"-L{library_folder}",
                 "-Wl,--no-as-needed", *(f"-l{library}" for library in own),
                 "-Wl,--as-needed", *(f"-l{library}" for library in libraries),
