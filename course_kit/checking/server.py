@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 import queue
 import threading
 import time
@@ -14,6 +13,7 @@ from typing import Any
 
 from course_kit import exercises
 from course_kit.checking.watching import open_watch
+from course_kit.ending.exit_timer import ExitTimer
 from course_kit.examining import examination, own_types
 from course_kit.examining.domains import reserve_stage
 from course_kit.examining.examination import WORKSPACE, Ended, Examination, OutOfTime
@@ -46,9 +46,8 @@ class Checker:
                 message = self._lines.receive()
                 if message is not None:
                     (self._answers if "answer" in message else self._requests).put(message)
+        ExitTimer(END_TIMEOUT, status=1)  # in case something hangs
         self._requests.put(None)
-        time.sleep(END_TIMEOUT)
-        os._exit(1)  # something hangs
 
     def serve(self) -> None:
         """Answer requests until there are no more."""

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from types import FrameType, ModuleType
 from typing import NoReturn
 
+from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ros2.session import DurationOver, Session
 from course_kit.ros2.verbs import CommandError, Verb
 
@@ -31,6 +32,7 @@ COMMANDS = {
     "wtf": "Use `wtf` as alias to `doctor`",
 }
 _MODULES = {"wtf": "doctor"}
+END_TIMEOUT = 3.0  # seconds for leaving the graph
 DESCRIPTION = "ros2 is an extensible command-line tool for ROS 2."
 
 
@@ -150,11 +152,12 @@ def _quiet_stdout() -> int:
 def _end(status: int) -> NoReturn:
     """Leave the graph, then the process, without waiting for what Python tidies up at its end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not keep the node in the graph
-    if "course_kit.spinning.context" in sys.modules:
-        sys.modules["course_kit.spinning.context"].stop()
     with contextlib.suppress(BrokenPipeError):
         sys.stdout.flush()
     sys.stderr.flush()
+    if "course_kit.spinning.context" in sys.modules:
+        ExitTimer(END_TIMEOUT, status)
+        sys.modules["course_kit.spinning.context"].stop()
     os._exit(status)
 
 

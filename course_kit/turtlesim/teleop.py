@@ -14,7 +14,6 @@ from typing import Any
 
 from geometry_msgs.msg import Twist
 from rclpy.action import ActionClient
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
@@ -122,20 +121,17 @@ def main(args: list[str] | None = None) -> None:
     """Read keys from the terminal until q, Ctrl-C or SIGTERM; exit status 0."""
     if not sys.stdin.isatty():
         sys.exit("teleop_turtle reads keys, but its standard input is not a terminal: start it in one")
-    with program("teleop_turtle", args) as is_to_end:
-        _drive(Teleop(), is_to_end)
-
-
-def _drive(teleop: Teleop, is_to_end: Callable[[], bool]) -> None:
-    executor = SingleThreadedExecutor()
-    executor.add_node(teleop)
-    with Keyboard(sys.stdin.fileno()) as keyboard, contextlib.suppress(EOFError):
+    with (
+        program("teleop_turtle", Teleop, args) as running,
+        Keyboard(sys.stdin.fileno()) as keyboard,
+        contextlib.suppress(EOFError),
+    ):
         print(USAGE, flush=True)
-        while not is_to_end():
+        while not running.is_to_end():
             key = keyboard.read(timeout=0.01)
-            if key in KEYS and not teleop.press(key):
+            if key in KEYS and not running.node.press(key):
                 return
-            executor.spin_once(timeout_sec=0)
+            running.executor.spin_once(timeout_sec=0)
 
 
 if __name__ == "__main__":

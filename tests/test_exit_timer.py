@@ -1,0 +1,92 @@
+"""A program of the course ends in time, with its exit status and its output, although a native call never returns."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from tests.waiting import TIMEOUT
+
+# As rclpy in a deadlock of the middleware: in a native call, and no other thread of Python's runs.
+NEVER_RETURNS = "import ctypes, sys; stuck = ctypes.PyDLL(None).pause\n"
+
+NODE = """
+from rclpy.node import Node
+from course_kit.turtlesim.program import spin
+class Held(Node):
+    def __init__(self):
+        super().__init__("held")
+        self.create_timer(0.01, self.on_timer)
+    def on_timer(self):
+        print("at work")
+        {work}
+    def destroy_node(self):
+        stuck()
+spin("held", Held, None)
+"""
+
+ROS2 = """
+from course_kit.spinning import context
+from course_kit.ros2 import command
+context.before_stop(stuck)
+command.main()
+"""
+
+CHECKER = """
+from course_kit.checking import __main__ as checker
+from course_kit.examining import station
+station.Station.close = lambda self: stuck()
+checker.main()
+"""
+
+
+def run(code: str, *arguments: str) -> tuple[int, list[str]]:
+    """Run Python code; give its exit status and the lines it printed."""
+    command = [sys.executable, "-c", NEVER_RETURNS + code, *arguments]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=TIMEOUT)
+    return done.returncode, done.stdout.splitlines()
+
+
+@pytest.mark.parametrize("status", [0, 7, 255])
+def test_the_timer_ends_a_process_that_a_native_call_holds(status: int) -> None:
+    code = f"from course_kit.ending.exit_timer import ExitTimer; ExitTimer(0.3, {status}); stuck()"
+    assert run(code) == (status, [])
+
+
+def test_a_cancelled_timer_ends_nothing() -> None:
+    code = "import time; from course_kit.ending.exit_timer import ExitTimer; ExitTimer(0.1, 7).cancel(); "
+    assert run(code + "time.sleep(0.5); print('here')") == (0, ["here"])
+
+
+@pytest.mark.parametrize(
+    ("work", "status"), [("import os, signal; os.kill(os.getpid(), signal.SIGINT)", 0), ("raise LookupError", 1)]
+)
+def test_a_node_as_a_program(work: str, status: int) -> None:
+    assert run(NODE.format(work=work)) == (status, ["at work"])
+
+
+def test_the_ros2_command() -> None:
+    words = ["topic", "pub", "--once", "-w", "0", "/said", "std_msgs/msg/String", "data: hello"]
+    ended, printed = run(ROS2, *words)
+    assert ended == 0
+    assert "publishing #1: std_msgs.msg.String(data='hello')" in printed
+    assert run(ROS2, "topic", "type", "/nothing")[0] == 1
+
+
+def test_the_checker() -> None:
+    ours, theirs = socket.socketpair()
+    process = subprocess.Popen(
+        [sys.executable, "-c", NEVER_RETURNS + CHECKER, str(theirs.fileno())], pass_fds=[theirs.fileno()]
+    )
+    try:
+        theirs.close()
+        ours.sendall(b'{"check": "nothing"}\n')
+        assert b"refused" in ours.recv(1000)
+        ours.close()
+        assert process.wait(TIMEOUT) == 1
+    finally:
+        process.kill()
+        process.wait()
