@@ -2,34 +2,103 @@
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Iterator
 
 import pytest
 
+from tests import leftovers
 from tests.domains import own_domain, use_own_domain
 
-SLOW = (  # test modules of more than a minute
-    "test_notebooks",
-    "test_browser",
-    "test_answers",
-    "test_faults_robot",
-    "test_environment_setup",
-)
+IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
+GROUPS = "COURSE_KIT_TEST_GROUPS"  # those that are run, if not all
+# Seconds that groups of tests take, one after another on a machine with nothing else to do; others take SHORT ones.
+SECONDS = {
+    "test_environment_setup": 200,
+    "02_workspace": 120,
+    "exercises of workspace": 120,
+    "test_faults_robot": 120,
+    "06_debugging": 110,
+    "05_actions": 90,
+    "test_turtlesim_node": 90,
+    "exercises of debugging": 90,
+    "exercises of topics": 80,
+    "exercises of actions": 80,
+    "03_topics": 70,
+    "04_services": 70,
+    "exercises of services": 70,
+    "test_instruments": 60,
+    "test_checker": 60,
+    "test_ros2_echo_pub": 50,
+    "test_environment_apt": 50,
+    "01_setup_checks": 40,
+    "exercises of setup": 40,
+    "test_ros2_bag": 40,
+    "test_browser": 40,
+    "test_workspaces": 40,
+}
+SHORT = 15
+CHANGED_LIMIT = 110  # of the two minutes that --changed may take, without the start
 
+if not IS_WORKER:
+    leftovers.begin()
 use_own_domain()
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Where tests run beside each other: those of a module one after another, unless they name a group of their own.
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--full", action="store_true", help="also what is marked slow, and each notebook twice")
+    parser.addoption("--changed", action="store_true", help="what changes since upstream can break, in two minutes")
 
-    What takes longest begins, so that the workers end together.
-    """
-    order = {stem: number for number, stem in enumerate(SLOW)}
-    items.sort(key=lambda item: order.get(item.path.stem, len(SLOW)))
+
+def pytest_configure(config: pytest.Config) -> None:
+    """With --changed, choose what is run."""
+    if config.getoption("changed") and not IS_WORKER:
+        from tests.changed import nearest
+
+        limit = CHANGED_LIMIT * (config.getoption("numprocesses", None) or 1)
+        chosen, left = nearest(lambda group: SECONDS.get(group, SHORT), limit)
+        os.environ[GROUPS] = json.dumps(chosen)
+        print(f"Changes can break: {', '.join(chosen) or 'no test'}.")
+        print(f"Further away, and left to a run of all: {', '.join(left) or 'none'}.")
+
+
+def group(item: pytest.Item) -> str:
+    """Tests of a group run one after another, where tests run beside each other: its own, or that of its module."""
+    mark = item.get_closest_marker("xdist_group")
+    return str(mark.args[0]) if mark else item.path.stem
+
+
+def is_run(item: pytest.Item) -> bool:
+    """Whether a test belongs to what is asked for."""
+    if item.get_closest_marker("slow") and not item.config.getoption("full"):
+        return False
+    return GROUPS not in os.environ or group(item) in json.loads(os.environ[GROUPS])
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """What takes longest begins, so that the workers end together."""
+    config.hook.pytest_deselected(items=[item for item in items if not is_run(item)])
+    items[:] = sorted(filter(is_run, items), key=lambda item: -SECONDS.get(group(item), SHORT))
     for item in items:
         if item.get_closest_marker("xdist_group") is None:
-            item.add_marker(pytest.mark.xdist_group(item.path.stem))
+            item.add_marker(pytest.mark.xdist_group(group(item)))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Nothing is left of the tests: a process that is makes them fail; files are kept for who looks for a failure."""
+    if IS_WORKER:
+        return
+    leftovers.remove_shared_memory()
+    if left := leftovers.processes():
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+        print("\nProcesses are left:", *left, sep="\n")
+    if session.exitstatus == pytest.ExitCode.TESTS_FAILED:
+        print(f"\nFiles of the tests are kept in {os.environ['TMPDIR']}")
+    else:
+        leftovers.remove_files()
 
 
 @pytest.fixture(scope="module")

@@ -2,34 +2,31 @@
 
 from __future__ import annotations
 
-import fcntl
+import contextlib
 import os
-import tempfile
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import IO
 
 import pytest
 
-_locks: list[IO[str]] = []  # kept open as long as the process lives
+_locks: list[socket.socket] = []  # kept open as long as the process lives
 
 
 def reserve_domain() -> int:
-    """A domain of one's own: 2 to 101, the range without port clashes. RuntimeError when all are taken."""
-    folder = Path(tempfile.gettempdir(), f"course-kit-test-domains-{os.getuid()}")
-    folder.mkdir(exist_ok=True)
+    """A domain of one's own: 2 to 101, the range without port clashes. RuntimeError when all are taken.
+
+    It is taken by a socket with the domain's name, which has no file and goes with its process.
+    """
     start = os.getpid() % 100
     for step in range(100):
         domain = 2 + (start + step) % 100
-        lock = open(folder / str(domain), "w")  # noqa: SIM115
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.close()
-            continue
-        _locks.append(lock)
-        return domain
+        lock = socket.socket(socket.AF_UNIX)
+        with contextlib.suppress(OSError):  # another test process has it
+            lock.bind(f"\0course-kit-test-domain-{domain}")
+            _locks.append(lock)
+            return domain
+        lock.close()
     raise RuntimeError("100 test processes run already: no ROS domain is left")
 
 

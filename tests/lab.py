@@ -7,14 +7,18 @@ import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 from playwright.sync_api import Page, sync_playwright
+
+from tests.waiting import wait_until
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 ARGUMENTS = [
@@ -55,10 +59,17 @@ def server(root: Path, config: Path, *arguments: str) -> Iterator[str]:
     threading.Thread(target=read, daemon=True).start()
     try:
         assert found.wait(60), "JupyterLab did not tell its address within 60 s"
+        wait_until(lambda: listens(address[0]))  # it tells the address a moment before
         yield address[0]
     finally:
         os.killpg(process.pid, signal.SIGTERM)
         process.wait(timeout=20)
+
+
+def listens(address: str) -> bool:
+    parts = urlsplit(address)
+    with socket.socket() as client:
+        return client.connect_ex((parts.hostname, parts.port)) == 0
 
 
 class Lab:

@@ -1,4 +1,4 @@
-"""Every notebook: its form, and that it runs top to bottom without network, twice in one kernel."""
+"""Every notebook: its form, and that it runs top to bottom without network; with --full twice in one kernel."""
 
 from __future__ import annotations
 
@@ -15,9 +15,13 @@ from typing import Any
 import nbformat
 import pytest
 
-FOLDER = Path(__file__).parents[1] / "notebooks"
+from tests.lab import CHROMIUM
+
+ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
 LOOPBACK_ONLY = ["unshare", "--net", "--", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
+NBVAL = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0"]
 LINES = 15
 
 of_each = pytest.mark.parametrize("path", NOTEBOOKS, ids=[path.stem for path in NOTEBOOKS])
@@ -40,28 +44,31 @@ def again(cell: nbformat.NotebookNode) -> nbformat.NotebookNode:
     return copy
 
 
-def in_two_halves() -> Iterator[Any]:
-    """Each half takes one notebook after another: more at once would be slower than a student's machine is."""
-    for number, path in enumerate(NOTEBOOKS):
-        half = "first" if number < len(NOTEBOOKS) / 2 else "second"
-        yield pytest.param(path, id=path.stem, marks=pytest.mark.xdist_group(f"{half} half of the notebooks"))
+def beside_each_other() -> Iterator[Any]:
+    for path in NOTEBOOKS:
+        yield pytest.param(path, id=path.stem, marks=pytest.mark.xdist_group(path.stem))
 
 
-@pytest.mark.parametrize("path", list(in_two_halves()))
-@pytest.mark.timeout(520)
-def test_runs_top_to_bottom_and_once_more_without_network(path, folder):
-    """With nbval, in one kernel: first as a student runs it who has run no other, then all cells again."""
+@pytest.mark.parametrize("path", list(beside_each_other()))
+@pytest.mark.timeout(720)
+def test_runs_top_to_bottom_without_network(path, folder, request):
+    """With nbval, as a student runs it who has run no other; with --full once more in the same kernel, by a browser."""
     notebook = nbformat.read(path, as_version=4)
-    notebook.cells += [again(cell) for cell in notebook.cells]
-    nbformat.write(notebook, folder / path.name)
-    command = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0", path.name]
+    count = sum(cell.cell_type == "code" for cell in notebook.cells)
+    command, place = [*NBVAL, path.name], folder
+    if request.config.getoption("full") and CHROMIUM:
+        command, place = [sys.executable, "-m", "tests.second_run", str(folder / path.name)], ROOT
+        count += 1
+    elif request.config.getoption("full"):
+        notebook.cells += [again(cell) for cell in notebook.cells]
+        nbformat.write(notebook, folder / path.name)
+        count *= 2
     if os.geteuid() == 0 and shutil.which("ip"):
         command = [*LOOPBACK_ONLY, *command]
     else:
         warnings.warn("run with the network: to be without it takes root and the command ip", stacklevel=1)
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=500)
+    done = subprocess.run(command, cwd=place, capture_output=True, text=True, timeout=700)
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
-    count = sum(cell.cell_type == "code" for cell in notebook.cells)
     assert f"{count} passed" in done.stdout, done.stdout[-2000:]
 
 

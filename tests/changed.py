@@ -1,0 +1,126 @@
+"""Which groups of tests a change can break: by what imports or names what was changed, the nearest first.
+
+What runs in kernels and child processes is found by what the texts of their cells and command lines name.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import grimp
+import nbformat
+
+import course_kit
+from course_kit import exercises
+from course_kit.ros2.command import COMMANDS
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("course_kit", "tests")
+NAMED = re.compile(r"\b(?:course_kit|tests)(?:\.\w+)+")
+TAKEN = re.compile(r"from (course_kit[\w.]*) import ([\w, ]+)")
+ROS2_COMMAND = re.compile(rf"""\bros2\b[\s"',(\[*]+({"|".join(COMMANDS)})\b""")
+
+
+def changed_files() -> list[str]:
+    """What differs from where this branch left its upstream: commits, edits, new files; without upstream from HEAD."""
+    base = _git("merge-base", "HEAD", "@{upstream}") or ["HEAD"]
+    return [*_git("diff", "--name-only", *base), *_git("ls-files", "--others", "--exclude-standard")]
+
+
+def _git(*words: str) -> list[str]:
+    return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True).stdout.splitlines()
+
+
+class Dependencies:
+    """What the modules, notebooks and tests of the course depend on."""
+
+    def __init__(self) -> None:
+        self.graph = grimp.build_graph(*PACKAGES, cache_dir=None)
+        self.texts = {name: text for name, text in self._texts()}
+        for name in self.texts.keys() - self.graph.modules:
+            self.graph.add_module(name)
+        for name, text in self.texts.items():
+            for named in self._named(text):
+                self._add(name, named)
+        notebooks = sorted(name for name in self.texts if name.startswith("notebooks."))
+        for chapter, notebook in zip(exercises.CHAPTERS, notebooks, strict=True):
+            self._add(notebook.removeprefix("notebooks."), "tests.test_notebooks")
+            self._add(notebook.removeprefix("notebooks."), notebook)
+            group = f"exercises of {chapter}"
+            for module in ("tests.exercises.test_answers", f"tests.exercises.answers_{chapter}", notebook):
+                self._add(group, module)
+            for module in exercises.MODULES.get(chapter, (chapter,)):
+                self._add(group, f"course_kit.exercises.{module}")
+
+    def _texts(self) -> Iterator[tuple[str, str]]:
+        for package in PACKAGES:
+            for path in (ROOT / package).rglob("*.py"):
+                if (name := module_of(path.relative_to(ROOT))) in self.graph.modules:
+                    yield name, path.read_text()
+        for path in (ROOT / "notebooks").glob("[0-9][0-9]_*.ipynb"):
+            yield f"notebooks.{path.stem}", "\n".join(cell.source for cell in nbformat.read(path, as_version=4).cells)
+
+    def _named(self, text: str) -> Iterator[str]:
+        """The modules that a text names, in code or in the code of a cell or child process."""
+        yield from NAMED.findall(text)
+        for package, names in TAKEN.findall(text):
+            for name in re.findall(r"\w+", names):
+                export = course_kit.EXPORTS.get(name) if package == "course_kit" else None
+                yield f"course_kit.{export}" if export else f"{package}.{name}"
+        for command in ROS2_COMMAND.findall(text):
+            yield from (one for one in self.graph.modules if one.startswith(f"course_kit.ros2.{command}"))
+
+    def _add(self, importer: str, imported: str) -> None:
+        while imported not in self.graph.modules and "." in imported:
+            imported = imported.rpartition(".")[0]  # a name in a module
+        for module in {imported, f"{imported}.__main__"} & self.graph.modules - {"course_kit", "tests", importer}:
+            self.graph.add_import(importer=importer, imported=module)
+
+    @property
+    def groups(self) -> list[str]:
+        """The groups of tests: modules, notebooks, and the exercises of a chapter."""
+        modules = [name.rpartition(".")[2] for name in self.graph.modules if ".test_" in name]
+        return sorted({*modules, *(name for name in self.graph.modules if name[0].isdigit() or " " in name)})
+
+    def touched(self, file: str) -> set[str]:
+        """The modules that a changed file is, or that name it."""
+        path = Path(file)
+        if path.suffix == ".ipynb":
+            return {f"notebooks.{path.stem}"} & self.graph.modules
+        if path.suffix == ".py":
+            return {module_of(path)} & self.graph.modules
+        return {name for name, text in self.texts.items() if path.name in text}
+
+    def distances(self, files: Iterable[str]) -> dict[str, int]:
+        """How many imports lie between a group of tests and what was changed, of the groups that depend on it."""
+        touched = {one for file in files for one in self.touched(file)}
+        found = {}
+        for group in self.groups:
+            start = group if group in self.graph.modules else self._module(group)
+            chains = [self.graph.find_shortest_chain(start, one) for one in touched - {start}]
+            steps = [len(chain) - 1 for chain in chains if chain] + [0] * (start in touched)
+            if steps:
+                found[group] = min(steps)
+        return found
+
+    def _module(self, group: str) -> str:
+        return next(name for name in self.graph.modules if name.endswith(f".{group}"))
+
+
+def module_of(path: Path) -> str:
+    """The name of a module by its file below the course's folder."""
+    return ".".join(path.with_suffix("").parts).removesuffix(".__init__")
+
+
+def nearest(seconds: Callable[[str], float], limit: float) -> tuple[list[str], list[str]]:
+    """The groups of tests that a change can break: those that fit into a limit of seconds, and the others."""
+    distances = Dependencies().distances(changed_files())
+    chosen: list[str] = []
+    left: list[str] = []
+    for group in sorted(distances, key=lambda one: (distances[one], seconds(one))):
+        fits = not chosen or sum(map(seconds, [*chosen, group])) <= limit
+        (chosen if fits else left).append(group)
+    return chosen, left
