@@ -88,17 +88,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Nothing is left of the tests: a process that is makes them fail; files are kept for who looks for a failure."""
+    """Nothing is left of the tests; a process that does not end makes them fail, and then their files are kept."""
     if IS_WORKER:
         return
-    leftovers.remove_shared_memory()
-    if left := leftovers.processes():
+    if left := leftovers.end_processes():
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
-        print("\nProcesses are left:", *left, sep="\n")
-    if session.exitstatus == pytest.ExitCode.TESTS_FAILED:
-        print(f"\nFiles of the tests are kept in {os.environ['TMPDIR']}")
-    else:
-        leftovers.remove_files()
+        print("\nProcesses were left:", *left, sep="\n")
+    leftovers.remove_shared_memory()
+    failed = session.exitstatus == pytest.ExitCode.TESTS_FAILED
+    leftovers.remove_files(but_keep=failed)
+    if failed:
+        print(f"\nThe tests' files are kept in {leftovers.KEPT}")
 
 
 @pytest.fixture(scope="module")

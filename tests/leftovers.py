@@ -10,10 +10,14 @@ import os
 import shutil
 import subprocess
 import tempfile
+from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
+from tests.waiting import comes_true
+
 MARK = "COURSE_KIT_TEST_RUN"
+KEPT = Path(__file__).parents[1] / "build/failed-tests"
 
 
 def begin() -> None:
@@ -23,9 +27,14 @@ def begin() -> None:
     tempfile.tempdir = None  # it is looked up once
 
 
-def remove_files() -> None:
-    """Remove the folder with all that is in it."""
-    shutil.rmtree(os.environ[MARK], ignore_errors=True)
+def remove_files(but_keep: bool) -> None:
+    """Remove the folder with all that is in it, or move it to where it is kept until the next run that fails."""
+    folder = os.environ[MARK]
+    if but_keep:
+        shutil.rmtree(KEPT, ignore_errors=True)
+        KEPT.parent.mkdir(exist_ok=True)
+        shutil.move(folder, KEPT)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def remove_shared_memory() -> None:
@@ -33,12 +42,25 @@ def remove_shared_memory() -> None:
     subprocess.run(["fastdds", "shm", "clean"], stdout=subprocess.DEVNULL, check=True, timeout=60)
 
 
-def processes() -> list[str]:
-    """The command lines of the run's processes that are still there, without this one and those that it is part of."""
+def end_processes() -> list[str]:
+    """Kill the run's processes that do not end by themselves; return what they are.
+
+    This process and those that it is part of are none of them.
+    """
     own = {os.getpid(), *(parent.pid for parent in psutil.Process().parents())}
+    comes_true(lambda: not _processes(own), timeout=5.0)
+    killed = []
+    for process in _processes(own):
+        with contextlib.suppress(psutil.Error):
+            killed.append(f"{process.pid} {' '.join(process.cmdline())}")
+            process.kill()
+    return killed
+
+
+def _processes(own: set[int]) -> list[psutil.Process]:
     found = []
     for process in psutil.process_iter():
         with contextlib.suppress(psutil.Error):
             if process.pid not in own and process.environ().get(MARK) == os.environ[MARK]:
-                found.append(f"{process.pid} {' '.join(process.cmdline())}")
+                found.append(process)
     return found

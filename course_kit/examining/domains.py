@@ -6,39 +6,29 @@ Standard library only.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
-import tempfile
+import socket
 from collections.abc import Iterator
-from pathlib import Path
-from typing import IO
 
 # Above the domains of users (1 to 100), with ports that Linux does not give to other programs.
 STAGES = range(215, 233)
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
-_locks: list[IO[str]] = []  # kept open as long as the process lives
+_locks: list[socket.socket] = []  # kept open as long as the process lives
 
 
 def reserve_stage() -> int:
-    """A domain that no other checker of this machine uses. RuntimeError when all are taken."""
-    folder = Path(tempfile.gettempdir(), "course-kit-stages")
-    folder.mkdir(mode=0o1777, exist_ok=True)
-    with contextlib.suppress(OSError):  # of another user, who has done it
-        folder.chmod(0o1777)
+    """A domain that no other checker of this machine uses. RuntimeError when all are taken.
+
+    It is taken by a socket with the domain's name, which has no file and goes with its process.
+    """
     for domain in STAGES:
-        try:
-            descriptor = os.open(folder / str(domain), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
-        except OSError:  # another user's, and the system protects files of others in such folders
-            continue
-        lock = os.fdopen(descriptor, "w")
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            lock.close()
-            continue
-        _locks.append(lock)
-        return domain
+        lock = socket.socket(socket.AF_UNIX)
+        with contextlib.suppress(OSError):  # another checker has it
+            lock.bind(f"\0course-kit-stage-{domain}")
+            _locks.append(lock)
+            return domain
+        lock.close()
     raise RuntimeError(f"{len(STAGES)} checkers run on this machine already; try again when one of them has ended")
 
 

@@ -7,6 +7,7 @@ import signal
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
@@ -33,15 +34,44 @@ SLEEPS = changed(
 )
 
 
-@pytest.fixture
-def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Kernel]:
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    made = Kernel()
+@contextmanager
+def notebook(state: Path) -> Iterator[Kernel]:
+    """A kernel with what chapters import; progress is kept in the folder `state`."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(state))
+        made = Kernel()
     try:
         made.run(IMPORTS)
         yield made
     finally:
         made.close()
+
+
+@pytest.fixture(scope="module")
+def state(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("state")
+
+
+@pytest.fixture(scope="module")
+def shared(state: Path) -> Iterator[Kernel]:
+    with notebook(state) as kernel:
+        yield kernel
+
+
+@pytest.fixture
+def kernel(shared: Kernel) -> Kernel:
+    """One for several tests, without what the one before has left in it."""
+    shared.run("from course_kit import stop; stop()")
+    shared.run("%reset -f")
+    shared.run(IMPORTS)
+    return shared
+
+
+@pytest.fixture
+def own_kernel(tmp_path: Path) -> Iterator[Kernel]:
+    """One that is the test's alone, and may end with it."""
+    with notebook(tmp_path) as kernel:
+        yield kernel
 
 
 def shown(kernel: Kernel, code: str) -> str:
@@ -81,15 +111,18 @@ def _timed(code: str) -> str:
 
 
 @pytest.mark.timeout(180)
-def test_fifty_checks_leave_the_memory_as_it_was(kernel: Kernel):
-    kernel.run(changed(LAMP, ("lamp = run(Lamp)", "")))
+def test_fifty_checks_leave_the_memory_as_it_was(own_kernel: Kernel):
+    own_kernel.run(changed(LAMP, ("lamp = run(Lamp)", "")))
     for _ in range(30):  # until the allocator has what it keeps
-        assert "2 of 2" in shown(kernel, 'check("services-1")')
-    processes = [psutil.Process(checker_of(kernel)), psutil.Process(int(shown(kernel, "import os; os.getpid()")))]
+        assert "2 of 2" in shown(own_kernel, 'check("services-1")')
+    processes = [
+        psutil.Process(checker_of(own_kernel)),
+        psutil.Process(int(shown(own_kernel, "import os; os.getpid()"))),
+    ]
     before = [process.memory_info().rss for process in processes]
     threads, files = [p.num_threads() for p in processes], [p.num_fds() for p in processes]
     for _ in range(50):
-        assert "2 of 2" in shown(kernel, 'check("services-1")')
+        assert "2 of 2" in shown(own_kernel, 'check("services-1")')
     grown = [p.memory_info().rss - earlier for p, earlier in zip(processes, before, strict=True)]
     print("grown by", [round(one / 1e6, 1) for one in grown], "MB of", [round(one / 1e6) for one in before])
     assert all(one < 2e6 for one in grown), grown
@@ -117,17 +150,17 @@ def test_a_checker_killed_during_a_check_is_replaced(kernel: Kernel):
     assert "2 of 2 points" in kernel.text(cell)
 
 
-def test_the_checker_goes_with_its_kernel(kernel: Kernel):
-    kernel.run('check("topics-1")')
-    checker = checker_of(kernel)
-    os.kill(int(shown(kernel, "import os; os.getpid()")), signal.SIGKILL)
+def test_the_checker_goes_with_its_kernel(own_kernel: Kernel):
+    own_kernel.run('check("topics-1")')
+    checker = checker_of(own_kernel)
+    os.kill(int(shown(own_kernel, "import os; os.getpid()")), signal.SIGKILL)
     wait(lambda: is_gone(checker))
 
 
-def test_the_checker_goes_when_the_kernel_ends_in_good_order(kernel: Kernel):
-    kernel.run('check("topics-1")')
-    checker = checker_of(kernel)
-    kernel.manager.shutdown_kernel(now=False)
+def test_the_checker_goes_when_the_kernel_ends_in_good_order(own_kernel: Kernel):
+    own_kernel.run('check("topics-1")')
+    checker = checker_of(own_kernel)
+    own_kernel.manager.shutdown_kernel(now=False)
     wait(lambda: is_gone(checker))
 
 
@@ -192,17 +225,18 @@ def test_strict_raises_for_what_is_begun_and_not_right(kernel: Kernel):
     kernel.run("class Countdown: pass")
     cell = kernel.send('check("topics-1")')
     kernel.finish(cell, 20)
+    kernel.run("del os.environ['COURSE_KIT_STRICT']")
     errors = [m["content"]["ename"] for m in kernel.of(cell) if m["msg_type"] == "error"]
     assert errors == ["AssertionError"]
 
 
-def test_progress_is_kept_and_drawn(kernel: Kernel, tmp_path: Path):
+def test_progress_is_kept_and_drawn(kernel: Kernel, state: Path):
     kernel.run(changed(LAMP, ("lamp = run(Lamp)", "")))
     kernel.run('check("services-1")')
     kernel.run("%load_ext course_kit.checking.notebook")
     text = shown(kernel, "%progress")
     assert "✔ services-1" in text and "○ services-2" in text
-    assert (tmp_path / "ros2-notebook-course" / "progress.json").exists()
+    assert (state / "ros2-notebook-course" / "progress.json").exists()
 
 
 def test_a_class_found_under_another_name_is_asked_for(kernel: Kernel):

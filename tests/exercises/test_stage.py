@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from rclpy.node import Node
@@ -46,6 +50,17 @@ def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(stage_domain
         gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
         assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]
         assert station.their_nodes() == ["/sayer"]
+
+
+def test_two_checkers_never_share_a_stage(stage_domain: int, tmp_path: Path) -> None:
+    other = subprocess.run(
+        [sys.executable, "-c", "from course_kit.checking.domains import reserve_stage; print(reserve_stage())"],
+        env={**os.environ, "TMPDIR": str(tmp_path)},  # as of a user with a folder for temporary files of their own
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert int(other.stdout) != stage_domain
 
 
 def test_what_was_heard_is_counted_also_when_it_is_no_longer_kept() -> None:
