@@ -347,6 +347,12 @@ ANSWERS = [
         4,
         CHARGER,
         [
+            Wrong(
+                "definitions",
+                types(BATTERY.replace("float32 percentage", "int32 percentage"), RECHARGE.replace("accepted", "ok")),
+                0,
+                "It says: float32 EMPTY_VOLTAGE=11.0 / float32 voltage / int32 percentage",
+            ),
             Wrong("not_less", changed(CHARGER, ("percentage -= 0.5", "percentage -= 0.0")), 3, "less than before"),
             Wrong(
                 "accepts_all", changed(CHARGER, ("request.percentage <= 100.0", "True")), 3, "accepted=True, reason=''"
@@ -363,12 +369,6 @@ ANSWERS = [
                 "Its type is std_msgs/msg/String",
             ),
             Wrong("no_reason", changed(CHARGER, ('"more than full"', '""')), 3, "What is refused has a reason"),
-            Wrong(
-                "definitions",
-                types(BATTERY.replace("float32 percentage", "int32 percentage"), RECHARGE.replace("accepted", "ok")),
-                0,
-                "It says: float32 EMPTY_VOLTAGE=11.0 / float32 voltage / int32 percentage",
-            ),
         ],
     ),
     Answers(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -30,9 +30,12 @@ def notebook_of() -> Iterator[Callable[[str], Chapter]]:
         yield notebook
 
 
-def row(name: str, *values: Any, id: str) -> Any:
+BUILDS = pytest.mark.slow("each answer builds a package")
+
+
+def row(name: str, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
     """The parameters of one test; those of a chapter run one after another, in one kernel."""
-    return pytest.param(name, *values, id=id, marks=pytest.mark.xdist_group(f"exercises of {name}"))
+    return pytest.param(name, *values, id=id, marks=[pytest.mark.xdist_group(f"exercises of {name}"), *marks])
 
 
 def every_exercise() -> Iterator[Any]:
@@ -46,7 +49,8 @@ def every_answer() -> Iterator[Any]:
         for answers in answers_to(name).ANSWERS:
             for wrong in answers.wrong:
                 values = answers, wrong.source, wrong.points, wrong.hint
-                yield row(name, *values, id=f"{answers.exercise}-{wrong.name}")
+                marks = [BUILDS] if name == "workspace" else []
+                yield row(name, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
             yield row(name, answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
 
 

@@ -54,7 +54,7 @@ def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(stage_domain
 
 def test_two_checkers_never_share_a_stage(stage_domain: int, tmp_path: Path) -> None:
     other = subprocess.run(
-        [sys.executable, "-c", "from course_kit.checking.domains import reserve_stage; print(reserve_stage())"],
+        [sys.executable, "-c", "from course_kit.examining.domains import reserve_stage; print(reserve_stage())"],
         env={**os.environ, "TMPDIR": str(tmp_path)},  # as of a user with a folder for temporary files of their own
         capture_output=True,
         text=True,
