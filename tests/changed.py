@@ -45,6 +45,11 @@ class Dependencies:
         for name, text in self.texts.items():
             for named in self._named(text):
                 self._add(name, named)
+        for name in self.texts:
+            if ".test_" in name:  # pytest loads what is called so in each folder above
+                parents = name.split(".")[:-1]
+                for length in range(1, len(parents) + 1):
+                    self._add(name, ".".join([*parents[:length], "conftest"]))
         notebooks = sorted(name for name in self.texts if name.startswith("notebooks."))
         for chapter, notebook in zip(exercises.CHAPTERS, notebooks, strict=True):
             self._add(notebook.removeprefix("notebooks."), "tests.test_notebooks")
