@@ -7,10 +7,9 @@ import os
 import sys
 from argparse import ArgumentParser, Namespace
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from course_kit import launching
+from course_kit.launching import stand_ins
 from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.session import Session
@@ -19,7 +18,6 @@ from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, did
 if TYPE_CHECKING:
     from course_kit.launching.entities import LaunchDescription
 
-STAND_INS = Path(launching.__file__).with_name("stand_ins")
 EXTENSIONS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
 
 
@@ -112,8 +110,7 @@ def _run(args: Namespace, session: Session) -> int:
     values = parse_arguments(given)
     if args.show_all_subprocesses_output:
         os.environ["OVERRIDE_LAUNCH_PROCESS_OUTPUT"] = "both"
-    if sys.path[:1] != [str(STAND_INS)]:
-        sys.path.insert(0, str(STAND_INS))
+    stand_ins.install()
     if args.print or args.show_args:
         _describe(path, args, session)
         return 0
