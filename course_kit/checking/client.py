@@ -52,6 +52,7 @@ class Checker:
 
     @property
     def is_running(self) -> bool:
+        """Whether the checker's process runs."""
         return self.process.is_running
 
     def ask(self, exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:

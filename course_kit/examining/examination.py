@@ -76,6 +76,7 @@ class Examination:
 
     @property
     def left(self) -> float:
+        """Seconds until the exercise's time is over; negative after that."""
         return self._deadline - time.monotonic()
 
     def wait(self, condition: Callable[[], Any], timeout: float, what: str = "", poll: float = POLL) -> bool:

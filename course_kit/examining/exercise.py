@@ -28,6 +28,7 @@ class Exercise:
 
     @property
     def chapter(self) -> str:
+        """The key in CHAPTERS, such as `topics` of `topics-1`."""
         return self.name.rsplit("-", 1)[0]
 
 

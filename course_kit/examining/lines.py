@@ -57,6 +57,7 @@ class Lines:
         return message if isinstance(message, dict) else {}
 
     def close(self) -> None:
+        """End the connection; the other side's next receive() raises Closed."""
         self._socket.close()
 
 

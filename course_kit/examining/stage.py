@@ -111,6 +111,7 @@ class Stage:
 
     @property
     def node(self) -> Node:
+        """The student's node. RuntimeError if none is on the stage."""
         if self._node is None:
             raise RuntimeError("there is no node on the stage")
         return self._node

@@ -41,6 +41,7 @@ class Heard:
         self.subscription: RawSubscription | None = None
 
     def receive(self, serialised: bytes, info: dict[str, Any]) -> None:
+        """Keep a message; called in the watching thread."""
         with self._lock:
             self.received += 1
             if len(self._kept) >= KEPT:
@@ -52,6 +53,7 @@ class Heard:
 
     @property
     def times(self) -> list[int]:
+        """When each kept message came, in nanoseconds since the epoch, oldest first."""
         with self._lock:
             return [when for when, _, _ in self._kept]
 
@@ -68,6 +70,7 @@ class Heard:
 
     @property
     def messages(self) -> list[Any]:
+        """The kept messages, oldest first."""
         with self._lock:
             kept = list(self._kept)
         return [deserialize_message(serialised, self._type) for _, _, serialised in kept]
@@ -81,11 +84,13 @@ class Heard:
 
     @property
     def last(self) -> Any:
+        """The newest message. IndexError if none has come."""
         with self._lock:
             serialised = self._kept[-1][2]
         return deserialize_message(serialised, self._type)
 
     def close(self) -> None:
+        """Stop listening."""
         if self.subscription is not None:
             self.subscription.close()
 

@@ -23,6 +23,7 @@ class Finding:
 
     @property
     def points(self) -> int:
+        """The points that this finding is worth as it came out."""
         return self.of if self.ok else 0
 
 
@@ -40,18 +41,22 @@ class Verdict:
 
     @property
     def points(self) -> int:
+        """The points of all findings, never more than the exercise has."""
         return min(self.of, sum(finding.points for finding in self.findings))
 
     @property
     def is_full(self) -> bool:
+        """Whether nothing is left to do."""
         return self.state == LOOKED_AT and self.points == self.of and all(f.ok for f in self.findings)
 
     @property
     def hints(self) -> list[str]:
+        """The hints of what did not hold."""
         return [finding.hint for finding in self.findings if not finding.ok]
 
     @property
     def heading(self) -> str:
+        """One line: exercise, title, points or why there are none."""
         result = points_text(self.points, self.of) if self.state == LOOKED_AT else self.state
         return f"{self.exercise} · {self.title}: {result}"
 
@@ -78,19 +83,23 @@ class Verdict:
         return f"<div class='course-kit-check'>{''.join(lines)}</div>"
 
     def to_json(self) -> dict[str, Any]:
+        """The verdict as what JSON can hold."""
         return asdict(self)
 
     @staticmethod
     def from_json(data: dict[str, Any]) -> Verdict:
+        """The verdict that to_json() was made from. KeyError or TypeError for anything else."""
         findings: Iterable[dict[str, Any]] = data["findings"]
         return Verdict(**{**data, "findings": tuple(Finding(**one) for one in findings)})
 
 
 def mark(ok: bool) -> str:
+    """The sign in front of a finding."""
     return "✔" if ok else "✘"
 
 
 def points_text(points: int, of: int) -> str:
+    """Points of a maximum, in words."""
     return f"{points} of {of} {'point' if of == 1 else 'points'}"
 
 

@@ -74,6 +74,7 @@ class Goal:
         return (times[-1] - times[0]) * 1e-9 / (len(times) - 1) if len(times) > 1 else 0.0
 
     def note_result(self, future: Any) -> None:
+        """Keep the result and the status of a goal; the done callback of its result's future."""
         answer = future.result()
         self.result, self.status = answer.result, answer.status
 

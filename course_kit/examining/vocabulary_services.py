@@ -112,6 +112,7 @@ class Server:
     ended: threading.Event = field(default_factory=threading.Event)
 
     def serve(self, request: Any, response: Any) -> Any:
+        """Answer a request as the exercise's server does."""
         self.requests.append(request)
         if self.delay:
             self.ended.wait(self.delay)

@@ -41,6 +41,7 @@ class GraphView(VBox):
 
     @property
     def is_running(self) -> bool:
+        """Whether the picture still follows the graph."""
         return self._thread.is_alive()
 
     def close(self) -> None:

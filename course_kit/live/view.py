@@ -46,6 +46,7 @@ class LiveView:
 
     @property
     def is_running(self) -> bool:
+        """Whether the view is still updated."""
         return not self._ending.is_set()
 
     def stop(self) -> None:

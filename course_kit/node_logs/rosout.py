@@ -33,6 +33,7 @@ class LogLine:
 
     @property
     def level_name(self) -> str:
+        """DEBUG, INFO, WARN, ERROR or FATAL."""
         return LEVELS.get(self.level, str(self.level))
 
     def __str__(self) -> str:

@@ -85,6 +85,7 @@ class Process:
 
     @property
     def is_running(self) -> bool:
+        """Whether the process has not ended."""
         return not self._ended.is_set()
 
     @property

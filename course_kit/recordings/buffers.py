@@ -165,6 +165,7 @@ class MessageBuffer:
 
     @property
     def topics(self) -> list[str]:
+        """The recorded topics, in the order in which they were named."""
         return list(self._channels)
 
     def counts(self, topic: str) -> tuple[int, int]:

@@ -105,6 +105,7 @@ class RateMeter:
 
     @property
     def topics(self) -> list[str]:
+        """The measured topics, in the order in which they were named."""
         return list(self._windows)
 
     @property

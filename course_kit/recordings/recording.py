@@ -55,6 +55,7 @@ class Recording:
 
     @property
     def topics(self) -> list[str]:
+        """The recorded topics, in the order in which they were named."""
         return self._buffer.topics
 
     @property
@@ -130,25 +131,31 @@ class Recording:
 
     @property
     def type(self) -> str:
+        """The name of the message type, such as 'turtlesim/msg/Pose'."""
         return self._only("type").type
 
     @property
     def receive_ns(self) -> Int64s:
+        """When each message came: nanoseconds since the epoch, shape (messages,)."""
         return self._only("receive_ns").receive_ns
 
     @property
     def times(self) -> npt.NDArray[np.float64]:
+        """When each message came: seconds since the recording began, shape (messages,)."""
         return self._only("times").times
 
     @property
     def stamps(self) -> npt.NDArray[np.float64] | None:
+        """The messages' own stamps in seconds, shape (messages,); None if the type has none."""
         return self._only("stamps").stamps
 
     @property
     def messages(self) -> Messages:
+        """The messages themselves, read when they are asked for."""
         return self._only("messages").messages
 
     def values(self, path: str) -> npt.NDArray[Any]:
+        """A field of every message, such as 'linear.x', in the field's own unit, shape (messages, ...)."""
         return self._only(f"values({path!r})").values(path)
 
 

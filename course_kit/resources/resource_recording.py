@@ -171,6 +171,7 @@ class ResourceRecording(Mapping[str, Usage]):
 
     @property
     def is_running(self) -> bool:
+        """Whether the recording goes on."""
         return self._sampler.thread.is_alive()
 
     def stop(self) -> ResourceRecording:

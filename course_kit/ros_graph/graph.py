@@ -42,6 +42,7 @@ class NodeName:
 
     @property
     def is_hidden(self) -> bool:
+        """Whether tools leave the name out: a part of it begins with an underscore."""
         return is_hidden(self.full_name)
 
     @staticmethod

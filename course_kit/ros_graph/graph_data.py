@@ -49,6 +49,7 @@ class Channel:
 
     @property
     def ends(self) -> tuple[Endpoint, ...]:
+        """All endpoints of the channel."""
         return self.sources + self.sinks
 
     @property
@@ -79,6 +80,7 @@ class GraphNode:
 
     @property
     def namespace(self) -> str:
+        """What the node's name has in front of its last slash; `/` if nothing."""
         return self.name.rpartition("/")[0] or "/"
 
 
@@ -91,14 +93,17 @@ class Snapshot:
 
     @property
     def topics(self) -> list[Channel]:
+        """The channels that are topics."""
         return [channel for channel in self.channels if channel.kind == "topic"]
 
     @property
     def services(self) -> list[Channel]:
+        """The channels that are services."""
         return [channel for channel in self.channels if channel.kind == "service"]
 
     @property
     def actions(self) -> list[Channel]:
+        """The channels that are actions."""
         return [channel for channel in self.channels if channel.kind == "action"]
 
     def around(self, node: str | None = None, namespace: str | None = None) -> Snapshot:

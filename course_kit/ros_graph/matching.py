@@ -20,6 +20,7 @@ class Part:
 
     @property
     def type(self) -> str:
+        """The type of the part's endpoints."""
         return (self.sources + self.sinks)[0].type
 
 

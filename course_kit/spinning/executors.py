@@ -84,11 +84,13 @@ class SpinThread:
         self._thread = threading.Thread(target=target, args=(self._spin,), name=name, daemon=True)
 
     def start(self) -> None:
+        """Begin to spin."""
         _threads[self._thread] = self
         self._thread.start()
 
     @property
     def is_alive(self) -> bool:
+        """Whether the thread runs."""
         return self._thread.is_alive()
 
     def _spin(self) -> None:

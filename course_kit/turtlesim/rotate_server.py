@@ -88,12 +88,15 @@ class RotateServer(ActionServer):
     # An executor in several threads may still hold on to a server that another thread destroys.
 
     def is_ready(self, wait_set: Any) -> bool:
+        """Whether something came; never once it is destroyed."""
         return not self._destroyed and super().is_ready(wait_set)
 
     def take_data(self) -> dict[str, Any]:
+        """What came; nothing once it is destroyed."""
         return {} if self._destroyed else super().take_data()
 
     def add_to_wait_set(self, wait_set: Any) -> None:
+        """Be waited for, unless it is destroyed."""
         if not self._destroyed:
             super().add_to_wait_set(wait_set)
 

@@ -106,6 +106,7 @@ class RawSubscription:
         self._lost_before = self.lost
 
     def destroy(self) -> None:
+        """Have the middleware end the subscription once nothing takes from it."""
         for handle in (self._refused, self._missed, self._handle):
             handle.destroy_when_not_in_use()
 
@@ -141,6 +142,7 @@ class RawSubscription:
                 on_error(error)
 
     def count_lost(self) -> None:
+        """Add what the middleware says it has lost."""
         self.lost = self._lost_before + int(self._missed.take_event().total_count)
 
     def follow_publisher(self, on_error: Callable[[Exception], None]) -> None:
@@ -177,9 +179,11 @@ class Watcher:
 
     @property
     def is_alive(self) -> bool:
+        """Whether the thread runs."""
         return self._thread.is_alive()
 
     def is_current_thread(self) -> bool:
+        """Whether this is the watching thread."""
         return threading.current_thread() is self._thread
 
     def subscribe(

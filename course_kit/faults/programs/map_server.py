@@ -17,6 +17,8 @@ CELLS = 22  # both ways
 
 
 class MapServer(Node):
+    """Puts scans into a map, and gives it to who asks."""
+
     def __init__(self):
         super().__init__("map_server")
         self.declare_parameter("update_time", 0.4)  # seconds of work for each update of the map
@@ -37,15 +39,18 @@ class MapServer(Node):
         self.get_logger().info("the map is open")
 
     def on_scan(self, scan):
+        """Note a scan."""
         self.waiting += 1
 
     def update(self):
+        """Put what has come into the map."""
         time.sleep(self.get_parameter("update_time").value)  # stands for the work; meanwhile scans queue up
         self.in_map += self.waiting
         self.waiting = 0
         self.publisher.publish(Int32(data=self.in_map))
 
     def on_get_map(self, request, response):
+        """Answer with the map."""
         response.map = OccupancyGrid(data=[0] * CELLS**2)
         response.map.header.frame_id = "map"
         response.map.info.width = response.map.info.height = CELLS
@@ -54,6 +59,7 @@ class MapServer(Node):
 
 
 def main():
+    """Run the node until the program is ended."""
     rclpy.init()
     node = MapServer()
     try:

@@ -19,6 +19,8 @@ SCAN_AGE, MAP_AGE = 1.0, 3.0  # seconds after which what came is too old to driv
 
 
 class Planner(Node):
+    """Drives where the scan shows room, no faster than it was told."""
+
     def __init__(self):
         super().__init__("planner", enable_logger_service=True)
         self.declare_parameter("rate", 10.0)  # Hz of the commands
@@ -53,6 +55,7 @@ class Planner(Node):
         self.get_logger().info("the planner is ready")
 
     def on_scan(self, scan):
+        """Look ahead, and drive."""
         time.sleep(self.get_parameter("planning_time").value)  # stands for the work
         ahead = []
         for number, distance in enumerate(scan.ranges):
@@ -64,6 +67,7 @@ class Planner(Node):
         self.scan_came = time.monotonic()
 
     def on_limit(self, limit):
+        """Take over a new limit of the speed."""
         self.limit = limit.data
 
     def step(self):
@@ -93,6 +97,7 @@ class Planner(Node):
             self.publisher.publish(command)
 
     def ask_for_map(self, now):
+        """Ask the map server, without waiting for the answer."""
         if not self.client.service_is_ready():
             return
         if self.asked < 0:
@@ -105,15 +110,18 @@ class Planner(Node):
             self.client.call_async(GetMap.Request()).add_done_callback(self.on_map)
 
     def on_map(self, future):
+        """Note that a map came."""
         self.map_came = time.monotonic()
 
     def tell(self, state):
+        """Log the state if it is another one."""
         if state != self.state:
             self.get_logger().info(state)
         self.state = state
 
 
 def main():
+    """Run the node until the program is ended."""
     rclpy.init()
     node = Planner()
     try:

@@ -14,6 +14,8 @@ WALLS = 11.09  # metres, both ways
 
 
 class Scanner(Node):
+    """Measures the walls around the turtle, as a laser scanner would."""
+
     def __init__(self):
         super().__init__("scanner")
         self.declare_parameter("rate", 10.0)  # Hz
@@ -25,9 +27,11 @@ class Scanner(Node):
         self.get_logger().info("the laser is on")
 
     def on_pose(self, pose):
+        """Take over where the turtle is."""
         self.pose = pose
 
     def measure(self):
+        """Publish a scan from there."""
         if self.pose is None:
             return
         beams = self.get_parameter("beams").value
@@ -47,6 +51,7 @@ class Scanner(Node):
 
 
 def main():
+    """Run the node until the program is ended."""
     rclpy.init()
     node = Scanner()
     try:
