@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import time
+from pathlib import Path
 
 import pytest
 
 from tests.kernel import Kernel
+from tests.waiting import wait_until
 
 DEFINITIONS = """
 import time
@@ -99,6 +102,17 @@ def test_a_restarted_kernel_starts_afresh(kernel):
     kernel.run(DEFINITIONS)
     kernel.run("talker = run(Talker); wait_for(lambda: talker.count > 3)")
     kernel.run("wait_for(lambda: talker.get_node_names().count('talker') == 1)")
+
+
+def test_what_a_killed_kernel_leaves_in_shared_memory_goes_with_the_start_of_the_next(kernel):
+    kernel.run("talker = run(Talker)")
+    maps = Path(f"/proc/{kernel.manager.provisioner.process.pid}/maps").read_text()
+    left = [Path(path) for path in set(re.findall(r"/dev/shm/fastrtps_[0-9a-f]{16}$", maps, re.MULTILINE))]
+    assert left
+    kernel.client.stop_channels()
+    kernel.manager.restart_kernel(now=True)
+    kernel.connect()
+    wait_until(lambda: not any(path.exists() for path in left))
 
 
 def test_a_kernel_ends_cleanly_while_nodes_run(kernel):

@@ -1,10 +1,11 @@
-"""What a kernel has from its start: rclpy calls that are safe in a notebook, a console for each node and process."""
+"""What a kernel does at its start: rclpy calls are made safe in a notebook, each node and process gets a console."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from course_kit.background import guards
+from course_kit.ending import shared_memory
 from course_kit.live import console, process_console
 
 
@@ -13,3 +14,4 @@ def load_ipython_extension(shell: Any) -> None:
     guards.install()
     console.attach()
     process_console.attach()
+    shared_memory.tidy()  # a kernel before this one may have been killed
