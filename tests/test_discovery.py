@@ -84,6 +84,40 @@ def test_a_node_that_the_middleware_lists_without_its_participant_is_none(watche
         discovery.forget(watcher)
 
 
+# Other threads look at the graph while nodes end: the views, the timer of a process that stays.
+ENDING = """
+import threading
+import rclpy
+from rclpy.node import Node
+from course_kit.ros_graph import discovery
+
+rclpy.init()
+for number in range(50):
+    node = Node(f"ending_{number}", start_parameter_services=False, enable_rosout=False)
+    known = discovery.of(node)
+    looks, ended = threading.Event(), threading.Event()
+
+    def look():
+        while not ended.is_set():
+            known.alive([])
+            looks.set()
+
+    thread = threading.Thread(target=look)
+    thread.start()
+    looks.wait()
+    discovery.forget(node)
+    ended.set()
+    thread.join()
+    node.destroy_node()
+rclpy.shutdown()
+"""
+
+
+def test_a_discovery_ends_while_another_thread_looks_at_it():
+    done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_users_profile_wins_over_the_courses(talker, tmp_path):
     profile = tmp_path / "profile.xml"
     profile.write_text(DEAF)

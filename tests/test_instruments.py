@@ -70,6 +70,18 @@ def test_timers_of_the_node_run_also_after_one_raised() -> None:
     assert any("a broken view" in e.title for e in errors.errors())
 
 
+def test_what_ends_with_the_node_is_called_when_nothing_spins_it_any_more() -> None:
+    name, ended = instruments.node().get_name(), []
+
+    def note(node: Node) -> None:
+        ended.append((node.get_name(), [t.name for t in threading.enumerate() if t.name == "course_kit instruments"]))
+
+    instruments.before_end(note)
+    instruments.stop()
+    instruments.stop()
+    assert ended == [(name, [])]
+
+
 def test_serialised_messages_and_when_they_arrived_are_delivered_in_order(talker: Node) -> None:
     listener = Listener()
     publisher = talker.create_publisher(String, "chatter", 100)

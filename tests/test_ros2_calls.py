@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 
@@ -167,6 +169,29 @@ def test_a_goal_is_followed_to_its_end(words, printed):
     outcome = ros2("action", "send_goal", *words)
     assert without_id(outcome.out) == f"{LOOKING}Sending goal:\n{printed}"
     assert (outcome.err, outcome.status) == ("", 0)
+
+
+# A terminal's command on a busy machine: the sender loses the processor between sending and noting down.
+LATE = """
+import sys, time
+import rclpy.action.client
+from rclpy.task import Future
+
+def late():
+    time.sleep(0.05)
+    return Future()
+
+rclpy.action.client.Future = late
+from course_kit.ros2.command import main
+main()
+"""
+
+
+def test_an_answer_that_comes_before_the_goal_is_noted_down_is_not_lost():
+    command = [sys.executable, "-c", LATE, "action", "send_goal", "/fibonacci", FIBONACCI, "{order: 2}"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=30)
+    assert done.stdout.endswith("Goal finished with status: SUCCEEDED\n")
+    assert (done.stderr, done.returncode) == ("", 0)
 
 
 @pytest.mark.parametrize("times", [1, 2], ids=["once", "twice_at_once"])

@@ -8,7 +8,6 @@ to an action client is not lost when it is faster than the cell that asked.
 from __future__ import annotations
 
 import functools
-import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -20,7 +19,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.spinning import NodeAlreadyRuns, executors
+from course_kit.spinning import NodeAlreadyRuns, action_answers, executors
 from course_kit.spinning import context as ros_context
 
 # A wait without a timeout cannot be interrupted in a kernel; many short ones can.
@@ -44,7 +43,7 @@ def install() -> None:
     setattr(Executor, "add_node", _add_node)  # noqa: B010  (mypy would take it for a mistake)
     setattr(Client, "call", _refusing(Client.call, "client.call()"))  # noqa: B010
     setattr(ActionClient, "send_goal", _refusing(ActionClient.send_goal, "send_goal()"))  # noqa: B010
-    keep_answers()
+    action_answers.keep()
 
 
 _plain_init = rclpy.init
@@ -127,37 +126,3 @@ def _belongs_to_this_thread(client: Any) -> bool:
         return False
     nodes = current.executor.get_nodes()
     return getattr(client, "_node", None) in nodes or any(client in node.clients for node in nodes)
-
-
-# An action client sends a request first and notes it down then. Where a cell sends and another thread spins, the answer
-# can come in between: it is dropped as unexpected, and the future stays open for ever. A Client has a lock against it.
-_sends = threading.RLock()
-
-
-def keep_answers() -> None:
-    """Have the action clients of this process lose no answer. Part of install(); for a process without a notebook."""
-    for request in ("send_goal_async", "_cancel_goal_async", "_get_result_async"):
-        setattr(ActionClient, request, _sending(getattr(ActionClient, request)))
-    setattr(ActionClient, "execute", _execute)  # noqa: B010
-
-
-def _sending(method: Callable[..., Any]) -> Callable[..., Any]:
-    """A request of an action client, during which no answer is looked at."""
-
-    @functools.wraps(method)
-    def guarded(self: ActionClient, *args: Any, **kwargs: Any) -> Any:
-        with _sends:
-            return method(self, *args, **kwargs)
-
-    return guarded
-
-
-_plain_execute = ActionClient.execute
-
-
-@functools.wraps(_plain_execute)
-async def _execute(self: ActionClient, taken_data: Any) -> None:
-    """ActionClient.execute(), after what is being sent."""
-    with _sends:
-        pass
-    await _plain_execute(self, taken_data)

@@ -11,11 +11,11 @@ import sys
 def main() -> None:
     """Serve. An interrupt is meant for the notebook's cell, not for this process."""
     signal.signal(signal.SIGINT, lambda *_: None)  # not SIG_IGN, which the programs that a check starts would inherit
-    from course_kit.background import guards
     from course_kit.checking.server import Checker
     from course_kit.examining.lines import Lines
+    from course_kit.spinning import action_answers
 
-    guards.keep_answers()
+    action_answers.keep()
     lines = Lines(socket.socket(fileno=int(sys.argv[1])))
     Checker(lines).serve()
     sys.stdout.flush()

@@ -244,9 +244,9 @@ class Station:
         """End the context, in good order: a node that just dies stays in the graph for seconds."""
         self.tidy()
         self._watcher.stop()
+        self._graph_thread.stop()
         if self._node_log is not None:
             self._node_log.close()
         discovery.forget(self.node)
-        self._graph_thread.stop()
         destroy(self.node)
         self.context.try_shutdown()

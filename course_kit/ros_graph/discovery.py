@@ -18,6 +18,7 @@ from pathlib import Path
 
 from rclpy.node import Node
 
+from course_kit.watching import instruments
 from course_kit.watching.rmw_subscription import GID_SIZE, SerializedSubscription, is_fast_dds
 from course_kit.watching.topics import UNKNOWN_NODE
 
@@ -38,6 +39,7 @@ _discoveries: weakref.WeakKeyDictionary[Node, Discovery] = weakref.WeakKeyDictio
 
 def of(node: Node) -> Discovery:
     """The discovery of a node, made at the first use and kept with it."""
+    instruments.before_end(forget)
     with _lock:
         if node not in _discoveries:
             _discoveries[node] = Discovery(node)
@@ -116,8 +118,9 @@ class Discovery:
 
     def close(self) -> None:
         """End the subscription; before the node is destroyed."""
-        if self._subscription is not None:
-            self._subscription.close()
+        with self._lock:  # another thread may be taking a message
+            if self._subscription is not None:
+                self._subscription.close()
 
     def wait(self, timeout: float) -> bool:
         """Wait until the node knows every participant, node and endpoint that is there; whether it does.

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-import sys
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,6 +40,7 @@ class _Instruments:
 
 _lock = threading.RLock()
 _instruments: _Instruments | None = None
+_closers: list[Callable[[Node], None]] = []
 _name_prefix, _with_rosout = "_course_kit", False
 
 
@@ -63,6 +64,12 @@ def node() -> Node:
 def executor() -> Executor:
     """The executor of node(); what must run in its thread, such as destroying entities, goes to create_task()."""
     return _running().executor
+
+
+def before_end(closer: Callable[[Node], None]) -> None:
+    """Have `closer(node)` called for each node of the instruments when it is spun no more, before it is destroyed."""
+    if closer not in _closers:
+        _closers.append(closer)
 
 
 def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeout: float = 10.0) -> RawSubscription:
@@ -145,14 +152,14 @@ def stop() -> None:
     if ending is None:
         return
     ending.watcher.stop()
-    if discovery := sys.modules.get("course_kit.ros_graph.discovery"):
-        discovery.forget(ending.node)
     with contextlib.suppress(Exception):  # each of these fails if a student shut ROS down before
         ending.stopped.set_result(True)
     with contextlib.suppress(Exception):
         ending.executor.create_task(lambda: None)
     if threading.current_thread() is not ending.spinning:
         ending.spinning.join(2.0)
+    for closer in _closers:
+        closer(ending.node)
     with contextlib.suppress(Exception):
         ending.executor.remove_node(ending.node)
     with contextlib.suppress(Exception):

@@ -64,8 +64,9 @@ def _spun_node(session: Session) -> Iterator[Node]:
     from rclpy.executors import SingleThreadedExecutor
     from rclpy.node import Node
 
-    from course_kit.spinning import errors, executors
+    from course_kit.spinning import action_answers, errors, executors
 
+    action_answers.keep()  # sent from this thread, answered in another
     name = f"{session.node.get_name()}_goal"
     node = Node(name, context=session.node.context, start_parameter_services=False, enable_rosout=False)
     executor = SingleThreadedExecutor(context=node.context)
