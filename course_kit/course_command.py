@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Sequence
 
 
@@ -16,7 +17,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     from course_kit.checking import progress
 
-    print(json.dumps(progress.load()) if chosen.json else progress.Progress())
+    try:
+        print(json.dumps(progress.load()) if chosen.json else progress.Progress())
+    except progress.Damaged as damaged:
+        print(f"course: {damaged}", file=sys.stderr)
+        return 1
     return 0
 
 

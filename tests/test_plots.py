@@ -14,6 +14,7 @@ from geometry_msgs.msg import PoseStamped
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.patches import StepPatch
 from nav_msgs.msg import Odometry
 from PIL import Image
 from rclpy.node import Node
@@ -22,9 +23,11 @@ from turtlesim.msg import Pose
 
 from course_kit.figures import COLOURS, INK, PANEL, PAPER
 from course_kit.recordings import tracks
+from course_kit.recordings.buffers import MessageBuffer
 from course_kit.recordings.meters import measure_rates
 from course_kit.recordings.plots import plot_pose, plot_rates
 from course_kit.recordings.recording import Recording, record
+from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.spinning import context
 from tests.kernel import Kernel
 from tests.senders import Sender
@@ -156,6 +159,19 @@ def test_rate_and_periods_are_drawn_for_each_topic() -> None:
     bottom_left, bottom_right = figure.axes[-2:]
     assert bottom_left.get_ylabel() == "rate [Hz]" and "[s]" in bottom_left.get_xlabel()
     assert "[ms]" in bottom_right.get_xlabel()
+
+
+def test_messages_that_were_taken_out_of_order_are_drawn_in_the_order_in_which_they_came() -> None:
+    buffer = MessageBuffer(["/two"])
+    append = buffer.appender("/two")
+    for pair in range(50):  # of two publishers, each period 10 ms
+        append(b"later", pair * 20_000_000 + 10_000_000)
+        append(b"sooner", pair * 20_000_000)
+    left, right = plot_rates(TopicRecording("/two", String, buffer.snapshot("/two"), 0)).axes
+    (rate,) = (patch for patch in left.patches if isinstance(patch, StepPatch))
+    assert rate.get_data()[0] == pytest.approx([100.0] * 9)
+    median = right.get_legend().get_texts()[0].get_text()  # type: ignore[union-attr]
+    assert median == "median 10 ms"
 
 
 @pytest.mark.parametrize("plot", [plot_pose, plot_rates])

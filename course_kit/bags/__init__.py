@@ -22,8 +22,6 @@ from course_kit.bags.repair import reindex
 from course_kit.bags.storage import BagError
 from course_kit.watching import topics
 
-MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be connected
-
 __all__ = ["BagError", "BagInfo", "BagRecording", "BagTopic", "info", "play", "read", "record", "reindex"]
 
 
@@ -103,7 +101,7 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
     recorder = Recorder(BagWriter(folder, storage), selection)
     try:
         recorder.start()
-        topics.wait_until(lambda: recorder.is_matched, MATCH_TIMEOUT)
+        topics.wait_until(lambda: recorder.is_matched, topics.MATCH_TIMEOUT)
     except BaseException:
         recorder.stop()
         raise
@@ -138,7 +136,7 @@ def play(path: str | os.PathLike[str], *names: str, rate: float = 1.0, tick: Cal
     with opened(path) as bag:
         player = Player(bag, options, lambda line: None)
         try:
-            topics.wait_until(lambda: player.is_matched, MATCH_TIMEOUT)
+            topics.wait_until(lambda: player.is_matched, topics.MATCH_TIMEOUT)
             player.play(tick or (lambda: None))
         finally:
             player.close()

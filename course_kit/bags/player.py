@@ -27,7 +27,6 @@ from course_kit.watching import topics
 
 NODE = "rosbag2_player"
 READ_AHEAD = 1000  # messages
-MATCH_TIMEOUT = 1.0  # seconds given to subscriptions that are there already to be matched
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,8 @@ def check(exercise: str, value: Any = None) -> None:
         return
     _show(verdict)
     try:
-        progress.record(verdict)
+        if notice := progress.record(verdict):
+            print(f"check: {notice}")
     except OSError as error:
         print(f"check: your points could not be kept: {error}")
     if verdict.state != NOT_BEGUN and not verdict.is_full:

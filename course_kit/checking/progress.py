@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import html
+import itertools
 import json
 import os
 import tempfile
@@ -27,29 +29,51 @@ def path() -> Path:
     return base / FOLDER / FILE
 
 
+class Damaged(ValueError):  # noqa: N818  (reads as what happened)
+    """The file is there, but holds no points that can be read."""
+
+
 def load() -> dict[str, int]:
-    """The best points so far, by exercise. What is no such file counts as none."""
-    with contextlib.suppress(OSError, ValueError, TypeError, AttributeError, KeyError, RuntimeError):
-        read = json.loads(path().read_text())
-        return {str(name): int(points) for name, points in read["points"].items()}
-    return {}
+    """The best points so far, by exercise; none without a file. Raises Damaged."""
+    try:
+        file = path()
+        points = json.loads(file.read_text())["points"]
+        return {str(name): int(got) for name, got in points.items()}
+    except (FileNotFoundError, RuntimeError):  # none yet, or no home
+        return {}
+    except (OSError, ValueError, TypeError, AttributeError, KeyError) as error:
+        raise Damaged(f"your earlier points cannot be read from {file}, which is damaged ({error!r})") from None
 
 
-def record(verdict: Verdict) -> None:
-    """Keep a verdict's points if they are the best so far. Raises OSError where the file cannot be written."""
+def record(verdict: Verdict) -> str:
+    """Keep a verdict's points if they are the best so far; return what the student must be told, or nothing.
+
+    A damaged file is kept under another name. Raises OSError where the file cannot be written.
+    """
     if verdict.state != LOOKED_AT:
-        return
+        return ""
     try:
         file = path()
     except RuntimeError as error:  # there is no home
         raise OSError(str(error)) from None
     file.parent.mkdir(parents=True, exist_ok=True)
     with _alone(file.parent):
-        points = load()
-        if points.get(verdict.exercise, -1) >= verdict.points:
-            return
-        points[verdict.exercise] = verdict.points
-        _write(file, json.dumps({"points": dict(sorted(points.items()))}, indent=1) + "\n")
+        points, notice = {}, ""
+        try:
+            points = load()
+        except Damaged as damaged:
+            notice = f"{damaged}. It is now {_set_aside(file)}, and points are counted anew."
+        if points.get(verdict.exercise, -1) < verdict.points:
+            points[verdict.exercise] = verdict.points
+            _write(file, json.dumps({"points": dict(sorted(points.items()))}, indent=1) + "\n")
+        return notice
+
+
+def _set_aside(file: Path) -> str:
+    """Give a damaged file a name of its own, which is returned: whoever knows how may mend it."""
+    names = (file.with_name(f"{file.stem}.damaged-{number}{file.suffix}") for number in itertools.count(1))
+    aside = next(name for name in names if not name.exists())
+    return file.rename(aside).name
 
 
 @contextlib.contextmanager
@@ -74,7 +98,11 @@ class Progress:
     """What is solved, by chapter: as text, and in a notebook drawn as bars."""
 
     def __init__(self, points: dict[str, int] | None = None) -> None:
-        self.points = load() if points is None else points
+        self._notice = ""
+        try:
+            self.points = load() if points is None else points
+        except Damaged as damaged:
+            self.points, self._notice = {}, f"{str(damaged)[0].upper()}{str(damaged)[1:]}."
 
     def chapters(self) -> list[tuple[str, int, int]]:
         """(title, points, of how many) of every chapter."""
@@ -87,7 +115,7 @@ class Progress:
         return min(exercise.points, self.points.get(exercise.name, 0))
 
     def __repr__(self) -> str:
-        lines = []
+        lines = [self._notice] if self._notice else []
         for (title, points, of), name in zip(self.chapters(), exercises.CHAPTERS, strict=True):
             filled = round(WIDTH * points / of) if of else 0
             lines.append(f"{title:20} {'█' * filled}{'·' * (WIDTH - filled)} {points:3} of {of} points")
@@ -98,7 +126,7 @@ class Progress:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        rows = []
+        rows = [f"<tr><td colspan='3'>{html.escape(self._notice)}</td></tr>"] if self._notice else []
         for (title, points, of), name in zip(self.chapters(), exercises.CHAPTERS, strict=True):
             bar = f"<progress max='{of}' value='{points}'></progress>"
             rows.append(f"<tr><th style='text-align:left'>{title}</th><td>{bar}</td><td>{points} of {of}</td></tr>")

@@ -17,8 +17,6 @@ from course_kit.recordings.measure import measure
 from course_kit.watching import topics
 from course_kit.watching.topics import type_name
 
-MATCH_TIMEOUT = 3.0
-
 
 def expect_topic(topic: str, message_type: Any) -> None:
     """The answer publishes a topic of this type."""
@@ -63,7 +61,7 @@ def _expect_end(
 
 def expect_compatible_subscription(topic: str, publisher: Publisher, points: int = 0) -> bool:
     """The answer's subscription takes what this publisher offers: they match."""
-    matched = now().wait(lambda: publisher.get_subscription_count() > 0, MATCH_TIMEOUT)
+    matched = now().wait(lambda: publisher.get_subscription_count() > 0, topics.MISMATCH_TIMEOUT)
     asked = [s.qos_profile for s in now().stage.subscriptions(topic)]
     why = "`%ros2 topic info -v` shows both sides."
     if any(q.reliability == ReliabilityPolicy.RELIABLE for q in asked):

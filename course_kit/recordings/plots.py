@@ -15,9 +15,9 @@ from course_kit.recordings.meters import RateMeter
 from course_kit.recordings.recording import Recording
 from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.recordings.tracks import READERS, Track, track
+from course_kit.turtlesim.field import EXTENT
 
 TURTLE = "turtlesim/msg/Pose"
-FIELD = 11.0888889  # m, the side of turtlesim's field
 ARROWS = 14  # along a path
 START: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": PANEL, "markeredgewidth": 2, "zorder": 4}
 ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 3, "borderaxespad": 0.2}
@@ -103,9 +103,9 @@ def _draw_path(axes: Axes, of_topic: Track, colour: str, label: str) -> None:
 
 
 def _draw_turtle_field(axes: Axes) -> None:
-    axes.add_patch(Rectangle((0, 0), FIELD, FIELD, facecolor="#eef4fb", edgecolor="#9db4cc", linewidth=1.2, zorder=0))
+    axes.add_patch(Rectangle((0, 0), EXTENT, EXTENT, facecolor="#eef4fb", edgecolor="#9db4cc", linewidth=1.2, zorder=0))
     for low, high, limit in ((*axes.get_xlim(), axes.set_xlim), (*axes.get_ylim(), axes.set_ylim)):
-        limit(min(low, -0.4), max(high, FIELD + 0.4))
+        limit(min(low, -0.4), max(high, EXTENT + 0.4))
     axes.set_xticks(range(0, 12, 2))
     axes.set_yticks(range(0, 12, 2))
     axes.set_aspect("equal")
@@ -144,7 +144,7 @@ def plot_rates(*measured: Recording | TopicRecording | RateMeter, title: str | N
 
 
 def arrivals_of(measured: tuple[Recording | TopicRecording | RateMeter, ...]) -> dict[str, Int64s]:
-    """When the messages of each topic came; a topic that was measured twice counts its measurements."""
+    """When the messages of each topic came, in that order; a topic that was measured twice counts its measurements."""
     found: list[tuple[str, Int64s]] = []
     for one in measured:
         if isinstance(one, TopicRecording):
@@ -157,7 +157,8 @@ def arrivals_of(measured: tuple[Recording | TopicRecording | RateMeter, ...]) ->
             raise TypeError(f"plot_rates() draws what record() and measure_rates() return, not {type(one).__name__}")
     names = [name for name, _ in found]
     numbered = [f"{n} ({names[: i + 1].count(n)})" if names.count(n) > 1 else n for i, n in enumerate(names)]
-    return dict(zip(numbered, (receive_ns for _, receive_ns in found), strict=True))
+    # Messages of two publishers may be taken a little out of order.
+    return dict(zip(numbered, (np.sort(receive_ns) for _, receive_ns in found), strict=True))
 
 
 def _draw_rate(axes: Axes, receive_ns: Int64s, colour: str) -> None:

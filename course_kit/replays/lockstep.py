@@ -32,7 +32,6 @@ from course_kit.spinning import executors
 from course_kit.watching import topics
 
 OF_EVERY_NODE = ("/parameter_events", "/rosout", "/clock")
-MATCH_TIMEOUT = 5.0  # seconds given to a publisher and a subscription of this process to find each other
 TICK = 0.05  # seconds that one look for something to do waits at most
 Keep = Callable[[str, Any, int, bytes], None]  # topic, type, nanoseconds, serialised message
 
@@ -107,7 +106,7 @@ class LockStep:
         """A node is there, as far as rclpy's constructor makes it: set its clock."""
         self.node = node
         self._executor.add_node(node)
-        self._until(self._clock.get_subscription_count, "the node's clock", MATCH_TIMEOUT)
+        self._until(self._clock.get_subscription_count, "the node's clock", topics.MISMATCH_TIMEOUT)
         self._set_clock(self.now)
 
     def subscribes_to(self) -> dict[str, str]:
@@ -180,7 +179,7 @@ class LockStep:
             self._publishers[topic] = self._player.create_publisher(message_type, topic, profile)
         publisher = self._publishers[topic]
         if publisher.get_subscription_count() < receivers:
-            deadline = time.monotonic() + MATCH_TIMEOUT
+            deadline = time.monotonic() + topics.MISMATCH_TIMEOUT
             while publisher.get_subscription_count() < receivers:
                 if time.monotonic() > deadline:
                     raise ValueError(

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 POLL = 0.01  # seconds between two looks at a condition
-WHOLE_TIMEOUT = 6.0  # seconds given to the graph to become known; a graph at rest takes a tenth of one
 
 
 class DurationOver(Exception):  # noqa: N818 - it is no error
@@ -61,7 +60,7 @@ class Session:
         known = discovery.of(node)
         if self.in_notebook:
             known.keep(node)
-        known.wait(WHOLE_TIMEOUT if self._spin_time is None else self._spin_time)
+        known.wait(discovery.WHOLE_TIMEOUT if self._spin_time is None else self._spin_time)
         return node
 
     def check_time(self) -> None:

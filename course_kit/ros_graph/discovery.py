@@ -24,6 +24,7 @@ from course_kit.watching.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
 REST = 2.5  # seconds without news after which no more is expected: lost messages are repeated each second
+WHOLE_TIMEOUT = 6.0  # seconds given to the graph to become known; a graph at rest takes a tenth of one
 TAKE_PERIOD = 1.0  # seconds between two looks at the messages of a process that stays
 TOPIC = "ros_discovery_info"
 DEPTH = 1000
@@ -122,7 +123,7 @@ class Discovery:
             if self._subscription is not None:
                 self._subscription.close()
 
-    def wait(self, timeout: float) -> bool:
+    def wait(self, timeout: float = WHOLE_TIMEOUT) -> bool:
         """Wait until the node knows every participant, node and endpoint that is there; whether it does.
 
         Returns False after `timeout` seconds, or when nothing new has come for REST seconds: then something listens

@@ -25,7 +25,6 @@ FONT = "DejaVu Sans"  # it comes with matplotlib, so widths are the same everywh
 MARGIN, HEAD, FOOT = 0.22, 0.42, 0.3  # inches
 NARROWEST = 6.0
 CROWD = 30  # boxes
-WHOLE_TIMEOUT = 6.0  # seconds for discovery; it ends earlier when nothing new comes
 TROUBLE, TROUBLE_INK = COLOURS[1], "#a33c00"
 WIRE = "#6f7780"
 # Lines of one topic have one of these, so that the eye can follow them through a crowd; none is near TROUBLE.
@@ -63,7 +62,7 @@ def observer() -> Node:
     node = instruments.node()
     known = discovery.of(node)
     known.keep(node)
-    known.wait(WHOLE_TIMEOUT)
+    known.wait()
     return node
 
 

@@ -23,8 +23,6 @@ from course_kit.spinning import context, errors
 from course_kit.watching import topics
 from course_kit.watching.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
 
-MATCH_TIMEOUT = 2.0  # seconds given to publishers that are there already to be matched
-
 
 @dataclass
 class _Instruments:
@@ -88,7 +86,7 @@ def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeo
     published = topics.publishers(running.node, name)
     qos = topics.qos_for(name, published)
     subscription = running.watcher.subscribe(name, message_type, qos, callback)
-    topics.wait_until(lambda: subscription.publisher_count >= len(published), MATCH_TIMEOUT)
+    topics.wait_until(lambda: subscription.publisher_count >= len(published), topics.MATCH_TIMEOUT)
     return subscription
 
 

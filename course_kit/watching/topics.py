@@ -17,6 +17,8 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"  # as rmw has it
 POLL = 0.02  # seconds between two looks at the graph
+MATCH_TIMEOUT = 2.0  # seconds given to publishers and subscriptions that are there already to find each other
+MISMATCH_TIMEOUT = 3.0  # seconds after which those that have not found each other do not fit
 # How many messages the middleware keeps while Python is busy elsewhere; it takes memory only for those that wait.
 DEPTH = 100_000
 # By convention these are published once and kept for whoever subscribes later.

@@ -139,12 +139,27 @@ def test_progress_keeps_the_best_and_nothing_of_what_is_not_begun(state: Path):
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"points": 3}', '{"points": {"a": "x"}}', "\x00"])
-def test_a_broken_progress_file_counts_as_none(state: Path, text: str):
-    progress.path().parent.mkdir(parents=True)
-    progress.path().write_text(text)
-    assert progress.load() == {}
-    progress.record(HALF)
-    assert progress.load() == {"topics-1": 1}
+def test_a_damaged_progress_file_is_kept_aside_and_said_to_be(
+    state: Path, text: str, capsys: pytest.CaptureFixture[str]
+):
+    file = progress.path()
+    file.parent.mkdir(parents=True)
+    for number in (1, 2):
+        file.write_text(text)
+        assert repr(progress.Progress()).startswith(f"Your earlier points cannot be read from {file}")
+        assert course_command.main(["progress", "--json"]) == 1
+        assert capsys.readouterr().err.startswith(f"course: your earlier points cannot be read from {file}")
+        aside = file.with_name(f"progress.damaged-{number}.json")
+        assert f"It is now {aside.name}" in progress.record(HALF)
+        assert aside.read_text() == text
+        assert progress.load() == {"topics-1": 1}
+        assert progress.record(HALF) == ""
+
+
+def test_a_progress_file_that_cannot_be_read_is_not_written_over(state: Path):
+    progress.path().mkdir(parents=True)
+    assert "progress.damaged-1.json" in progress.record(HALF)
+    assert progress.load() == {"topics-1": 1} and progress.path().with_name("progress.damaged-1.json").is_dir()
 
 
 def test_the_command_shows_progress_by_chapter(state: Path, capsys: pytest.CaptureFixture[str]):

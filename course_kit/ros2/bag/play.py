@@ -156,8 +156,9 @@ def _play(args: Namespace, session: Session) -> int:
 
 def _run(bag: OpenBag, options: PlayOptions, session: Session, keys: Any, has_keys: bool, log_level: str) -> int:
     """Play until the end, or until something ends it."""
-    from course_kit.bags.player import MATCH_TIMEOUT, NODE, Player
+    from course_kit.bags.player import NODE, Player
     from course_kit.bags.recorder import LogLine
+    from course_kit.watching import topics
 
     say = partial(show, session=session, log_level=log_level)
     try:
@@ -174,7 +175,7 @@ def _run(bag: OpenBag, options: PlayOptions, session: Session, keys: Any, has_ke
 
     try:
         session.graph()  # who listens already gets the first message too
-        session.until(lambda: player.is_matched, MATCH_TIMEOUT)
+        session.until(lambda: player.is_matched, topics.MATCH_TIMEOUT)
         player.play(tick)
         return 0
     except (SystemExit, KeyboardInterrupt, DurationOver) as ending:
