@@ -76,7 +76,15 @@ choose_python() {
 }
 
 # uv makes environments without the venv module.
-can_do_without() { [[ $1 == *-venv && $1 != *-dev* ]] && type -P uv > /dev/null; }
+can_do_without() { [[ $1 == *-venv && $1 != *-dev* ]] && own_uv > /dev/null; }
+
+# Prints the path of the user's uv if it is as new as ours: older ones lack options that set-up needs.
+own_uv() {
+    local found version
+    found=$(type -P uv) && version=$("$found" --version 2> /dev/null) || return 1
+    version=${version#uv } version=${version%% *}
+    [[ $(printf '%s\n' "$uv_version" "$version" | sort -V | head -n 1) == "$uv_version" ]] && printf '%s\n' "$found"
+}
 
 # Sets `python` to one that can run the checks, fit for the course or not.
 any_python() {
@@ -103,15 +111,18 @@ check() {
     exec "$python" -ESB -m course_kit.environment "$@" "$state"
 }
 
-# The only check that cannot be written in Python.
 no_python() {
-    local detail="none of version 3.10 or newer${PYTHON:+ (PYTHON=$PYTHON)}"
-    if [[ ${1:-} == --json ]]; then
-        printf '{"ok": false, "checks": [{"name": "Python", "status": "FAIL", "detail": "%s",\n' "${detail//[\"\\]/}"
-        printf '  "reason": "%s", "cure": "%s"}]}\n' "$python_needed" "$apt_python"
+    only_failure Python "none of version 3.10 or newer${PYTHON:+ (PYTHON=$PYTHON)}" "$python_needed" "$apt_python" "$@"
+}
+
+# The report where no Python can make it: a check's name, what was found, why it matters, the cure; then the arguments.
+only_failure() {
+    if [[ ${5:-} == --json ]]; then
+        printf '{"ok": false, "checks": [{"name": "%s", "status": "FAIL", "detail": "%s",\n' "$1" "${2//[\"\\]/}"
+        printf '  "reason": "%s", "cure": "%s"}]}\n' "$3" "$4"
     else
-        printf 'FAIL  Python  %s\n              why:  %s\n' "$detail" "$python_needed"
-        printf '              cure: %s\n1 checks: 0 PASS, 0 WARN, 1 FAIL\n' "$apt_python"
+        printf 'FAIL  %s  %s\n              why:  %s\n              cure: %s\n' "$1" "$2" "$3" "$4"
+        printf '1 checks: 0 PASS, 0 WARN, 1 FAIL\n'
     fi
     exit 1
 }
@@ -143,7 +154,7 @@ prepare() {
 
 set_up() {
     { mkdir -p build && : >> build/set-up.lock; } 2> /dev/null ||
-        die "$root cannot be written. Work in a copy of your own: cp -r '$root' ~/course && cd ~/course"
+        die "$root cannot be written, or its disk is full. Work in a copy: cp -r '$root' ~/course && cd ~/course"
     (
         wait_for_other_set_up
         [[ $(venv_state) == ready ]] || make_venv
@@ -161,17 +172,29 @@ make_venv() {
     local python advice digest uv='' begun=$SECONDS
     unset PYTHONPATH PYTHONHOME PIP_USER PIP_TARGET PIP_PREFIX # they would send packages elsewhere
     choose_python || die "$advice"
+    bare "$python" __main__ --before-set-up >&2 || exit 1
+    : > "$log"
     say "Setting up the course in .venv with $python. It takes about a minute, and downloads 200 MB the first time."
     digest=$(bare "$python" stamp digest) # of what is installed now, whatever changes meanwhile
     remove_old_venv
-    mkdir "$venv"
-    echo unfinished > "$stamp"
+    { mkdir "$venv" && echo unfinished > "$stamp"; } 2>> "$log" || fail "The folder .venv could not be made."
     create_venv
+    use_settings_of_pip
     find_uv
     install_packages
-    echo "$digest" > "$stamp.new"
-    mv "$stamp.new" "$stamp"
+    { echo "$digest" > "$stamp.new" && mv "$stamp.new" "$stamp"; } 2>> "$log" || fail "Set-up could not be finished."
     say "Set up in $((SECONDS - begun)) s."
+}
+
+# Runs a step of set-up; what it says goes into the log, from which a failure is explained.
+step() {
+    { printf '\n$ %s\n' "$*" && "$@"; } >> "$log" 2>&1
+}
+
+# Ends set-up: what failed, the likeliest cause, the cure.
+fail() {
+    bare "$python" failure "$1" "$log" >&2 || say "environment-check: $1 See $log"
+    exit 1
 }
 
 # Moved before it is removed: interrupted half-way, what is left in .venv would not be known as ours.
@@ -181,21 +204,31 @@ remove_old_venv() {
 }
 
 create_venv() {
-    if ! "$python" -m venv "$venv" > build/venv.log 2>&1; then
-        type -P uv > /dev/null || die "python -m venv failed: $(tail -n 3 build/venv.log)"
-        uv venv --quiet --seed --allow-existing --python "$python" "$venv" || die "uv could not make .venv either."
-    fi
+    local uv
+    step "$python" -m venv "$venv" && return
+    uv=$(own_uv) || fail "$python could not make the environment."
+    step "$uv" venv --seed --allow-existing --python "$python" "$venv" || fail "Neither $python nor uv could make .venv."
+}
+
+# Package index, proxy and certificates that pip is set up for count for uv too; see installer.py.
+use_settings_of_pip() {
+    local setting
+    while IFS= read -r setting; do
+        export "${setting?}"
+    done < <("$venv/bin/python" -m pip config list 2> /dev/null | bare "$venv/bin/python" installer)
 }
 
 # Sets `uv` to the one on PATH, or fetches it; leaves it empty where neither works.
 find_uv() {
     local folder=build/uv-$uv_version
-    uv=$(type -P uv) && "$uv" --version > /dev/null 2>&1 && return
+    uv=$(own_uv) && return
     uv=$root/$folder/bin/uv
     "$uv" --version > /dev/null 2>&1 && return
     rm -rf "$folder"
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --only-binary :all: \
-        --require-hashes --target "$folder" -r <(echo "uv==$uv_version" "${uv_hashes[@]}") && return
+    { echo "uv==$uv_version" "${uv_hashes[@]}" > build/uv.txt; } 2>> "$log" || fail "The folder build cannot be written."
+    step "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 1 --no-deps \
+        --only-binary :all: --require-hashes --target "$folder" -r build/uv.txt && return
+    ! bare "$python" failure --of-the-network "$log" || fail "The installer uv could not be fetched."
     say "The installer uv cannot be had here. Going on with pip, which takes about two minutes."
     uv=''
 }
@@ -204,17 +237,17 @@ install_packages() {
     local ros
     ros=$(bare "$venv/bin/python" ros)
     [[ -z $ros ]] || say "Using the ROS 2 in $ros."
-    bare "$venv/bin/python" pins > build/requirements.txt
-    install --require-hashes -r build/requirements.txt || die "The packages could not be installed; see above. Set-up needs the network, once."
+    bare "$venv/bin/python" pins 2>> "$log" > build/requirements.txt || fail "The folder build cannot be written."
+    install --require-hashes -r build/requirements.txt || fail "The packages could not be installed."
     say "Installing the course itself; its ROS 2 interfaces are compiled the first time."
-    install --no-deps -e . || die "The course could not be installed; see above."
+    install --no-deps -e . || fail "The course itself could not be installed."
 }
 
 install() {
     if [[ -n $uv ]]; then
-        "$uv" pip install --quiet --python "$venv/bin/python" "$@"
+        step "$uv" pip install --quiet --python "$venv/bin/python" "$@"
     else
-        "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"
+        step "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "$@"
     fi
 }
 
@@ -261,6 +294,12 @@ run_tests() {
 }
 
 main() {
+    local system
+    system=$(uname -s)
+    if [[ $system != Linux && ${1:-} != -h && ${1:-} != --help ]]; then # macOS has another bash, no realpath, no wheels
+        only_failure "operating system" "$system" "the packages of ROS 2 that the course installs are made for Linux" \
+            "on macOS: a Linux virtual machine or container; on Windows: wsl --install Ubuntu-24.04" "$@"
+    fi
     if [[ -n ${PYTHON:-} ]]; then # a relative path starts at the caller's folder
         PYTHON=$(type -P -- "$PYTHON" || printf '%s' "$PYTHON")
         [[ $PYTHON != */* ]] || PYTHON=$(realpath --no-symlinks -- "$PYTHON")
@@ -268,6 +307,7 @@ main() {
     root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
     venv=$root/.venv
     stamp=$venv/course-kit-stamp
+    log=build/set-up.log
     cd -- "$root"
     case ${1:-} in
         '' | --json) check "$@" ;;

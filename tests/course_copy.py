@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -28,21 +28,27 @@ def fresh_environ(**variables: str) -> dict[str, str]:
 class CourseCopy:
     """The course's files, without what set-up and tools made of them, in a folder with a space in its path."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, parts: Sequence[str] = PARTS) -> None:
         self.root = folder / "my course"
         self.root.mkdir(parents=True)
         ignore = shutil.ignore_patterns("__pycache__", ".*")
-        for part in PARTS:
+        for part in parts:
             source = ROOT / part
             if source.is_dir():
                 shutil.copytree(source, self.root / part, ignore=ignore)
             elif source.exists():
                 shutil.copy2(source, self.root / part)
 
-    def start(self, *arguments: str, environ: Mapping[str, str] | None = None) -> subprocess.Popen[str]:
-        """Start environment-check.sh from another folder; its output is captured as text."""
+    def start(self, *arguments: str, environ: Mapping[str, str] | None = None, view: str = "") -> subprocess.Popen[str]:
+        """Start environment-check.sh from another folder; its output is captured as text.
+
+        `view` is a shell command that mounts what only this command shall see; that takes root.
+        """
+        command = [str(self.root / "environment-check.sh"), *arguments]
+        if view:
+            command = ["unshare", "--mount", "sh", "-c", f'{view} && exec "$@"', "sh", *command]
         return subprocess.Popen(
-            [self.root / "environment-check.sh", *arguments],
+            command,
             cwd=self.root.parent,
             env=dict(fresh_environ(PYTHON=BASE_PYTHON) if environ is None else environ),
             stdin=subprocess.DEVNULL,
@@ -53,10 +59,14 @@ class CourseCopy:
         )
 
     def run(
-        self, *arguments: str, environ: Mapping[str, str] | None = None, timeout: float = 60
+        self,
+        *arguments: str,
+        environ: Mapping[str, str] | None = None,
+        view: str = "",
+        timeout: float = 60,
     ) -> subprocess.CompletedProcess[str]:
         """The same to its end."""
-        process = self.start(*arguments, environ=environ)
+        process = self.start(*arguments, environ=environ, view=view)
         try:
             output, errors = process.communicate(timeout=timeout)
         finally:

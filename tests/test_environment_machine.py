@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from course_kit.environment import machine
@@ -17,6 +19,24 @@ def test_other_systems_fail(system):
     check = machine.operating_system(system, {})
     assert check.status == "FAIL"
     assert "wsl --install" in check.cure
+
+
+UBUNTU = {"PRETTY_NAME": "Ubuntu 24.04.2 LTS", "NAME": "Ubuntu"}
+
+
+def test_wsl_2_passes_and_wsl_1_has_to_be_converted():
+    check = machine.operating_system("Linux", UBUNTU, "5.15.167.4-microsoft-standard-WSL2")
+    assert (check.status, check.detail) == ("PASS", "Ubuntu 24.04.2 LTS in WSL 2")
+    check = machine.operating_system("Linux", UBUNTU, "4.4.0-19041-Microsoft")
+    assert (check.status, check.cure.rpartition(": ")[2]) == ("FAIL", "wsl --set-version Ubuntu 2")
+
+
+def test_a_folder_of_windows_is_a_slow_place_for_the_course(monkeypatch):
+    assert machine.windows_disk(Path("/mnt/c/course")).status == "WARN"
+    monkeypatch.setattr("platform.release", lambda: "5.15.167.4-microsoft-standard-WSL2")
+    assert machine.is_of_windows(Path("/mnt/c/Users/me/course"))
+    assert not machine.is_of_windows(Path("/home/me/course"))
+    assert not machine.is_of_windows(Path("/mnt/data/course"))
 
 
 @pytest.mark.parametrize("version", ["glibc 2.28", "glibc 2.36", "glibc 2.100", "glibc 3.0"])
@@ -39,7 +59,8 @@ def test_only_x86_64_runs_the_wheels():
     assert machine.architecture("x86_64", sourced=False).status == "PASS"
     check = machine.architecture("aarch64", sourced=False)
     assert check.status == "FAIL"
-    assert "setup.bash" in check.cure
+    assert "ros-jazzy-ros-base" in check.cure
+    assert check.cure.endswith("source /opt/ros/jazzy/setup.bash")
 
 
 def test_any_architecture_will_do_beside_a_sourced_ros():

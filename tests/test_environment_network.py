@@ -32,7 +32,14 @@ def test_missing_shared_memory_warns(tmp_path):
 
 @pytest.mark.parametrize(("free", "status"), [(64, "PASS"), (32, "PASS"), (31, "WARN"), (0, "WARN")])
 def test_little_shared_memory_warns(tmp_path, free, status):
-    assert network.shared_memory_space(tmp_path, free).status == status
+    assert network.shared_memory_space(tmp_path, free, 500).status == status
+
+
+def test_the_64_mib_of_a_container_are_enough_until_they_are_used_up(tmp_path):
+    check = network.shared_memory_space(tmp_path, 60, 67)
+    assert (check.status, "container" in check.detail) == ("PASS", True)
+    check = network.shared_memory_space(tmp_path, 20, 67)
+    assert (check.status, "--shm-size=512m" in check.cure) == ("WARN", True)
 
 
 @pytest.fixture

@@ -68,3 +68,7 @@ def test_a_browser_needs_a_screen_and_a_program(tmp_path):
 def test_a_machine_without_a_browser_is_fine():
     check = notebook.browser({"PATH": "/nowhere"})
     assert (check.status, "prints the address" in check.detail) == ("PASS", True)
+
+
+def test_in_wsl_the_browser_is_that_of_windows():
+    assert "Windows" in notebook.browser({"PATH": "/nowhere"}, wsl=True).detail

@@ -41,6 +41,23 @@ def test_colours_are_only_in_the_table_when_asked_for():
     assert "\033" not in report.text([BAD])
 
 
+def test_all_cures_that_need_root_are_gathered_in_one_line_to_copy():
+    venv = fail("venv module", "missing", "needed", "sudo apt-get install -y python3.11-venv")
+    headers = fail("compiler", "missing", "needed", "sudo apt-get install -y python3.11-dev")
+    jazzy = fail("architecture", "aarch64", "no wheels", "sudo apt-get install -y ros && source setup.bash")
+    loopback = fail("loopback", "down", "needed", "sudo ip link set lo up")
+    wanted = (
+        "sudo apt-get update && sudo apt-get install -y python3.11-venv python3.11-dev ros && sudo ip link set lo up"
+    )
+    checks = [GOOD, venv, DOUBTFUL, headers, jazzy, loopback]
+    assert report.text(checks).splitlines()[-1] == f"What needs root, in one line: {wanted}"
+    assert json.loads(report.as_json(checks))["root"] == wanted
+
+
+def test_without_such_a_cure_there_is_no_such_line():
+    assert report.for_root([GOOD, DOUBTFUL, BAD]) == ""
+
+
 def test_json_holds_every_field_and_whether_all_is_well():
     answer = json.loads(report.as_json([GOOD, BAD]))
     assert answer["ok"] is False

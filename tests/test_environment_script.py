@@ -37,7 +37,7 @@ def by_name(answer: dict) -> dict[str, dict]:
 
 def without_python(folder: Path) -> str:
     """A PATH with the usual commands and no Python."""
-    for command in ("bash", "dirname", "ls", "mkdir", "realpath"):
+    for command in ("bash", "dirname", "ls", "mkdir", "realpath", "uname"):
         (folder / command).symlink_to(str(shutil.which(command)))
     return str(folder)
 
@@ -150,6 +150,32 @@ def test_somebody_elses_venv_is_left_alone(tmp_path):
     assert result.returncode == 1
     assert "mv .venv .venv-mine" in result.stderr
     assert (course.root / ".venv/pyvenv.cfg").read_text() == "home = /usr/bin\n"
+
+
+@pytest.mark.parametrize("arguments", [(), ("--json",), ("lab",), ("test",)])
+def test_macos_gets_a_clear_answer_and_no_apt(course, tmp_path, arguments):
+    (tmp_path / "uname").write_text("#!/bin/sh\necho Darwin\n")
+    (tmp_path / "uname").chmod(0o755)
+    result = course.run(*arguments, environ=fresh_environ(PATH=f"{tmp_path}:{os.environ['PATH']}"))
+    assert result.returncode == 1
+    assert "Darwin" in result.stdout and "virtual machine" in result.stdout
+    assert "apt-get" not in result.stdout + result.stderr
+    if arguments == ("--json",):
+        assert [check["name"] for check in json.loads(result.stdout)["checks"]] == ["operating system"]
+
+
+def test_an_arm_machine_is_told_of_apt_before_anything_is_set_up(tmp_path):
+    course = CourseCopy(tmp_path)
+    (tmp_path / "sitecustomize.py").write_text("import platform\nplatform.machine = lambda: 'aarch64'\n")
+    python = tmp_path / "python3"  # which leaves -E and -S away, with which Python would not read that file
+    python.write_text(f'#!/bin/sh\nshift\nPYTHONPATH="{tmp_path}" exec "{BASE_PYTHON}" -B "$@"\n')
+    python.chmod(0o755)
+    result = course.run("lab", environ=fresh_environ(PYTHON=str(python)))
+    assert result.returncode == 1
+    assert len(result.stderr.splitlines()) <= 5
+    assert "FAIL  architecture  aarch64" in result.stderr
+    assert "sudo apt-get install -y ros-jazzy-ros-base" in result.stderr
+    assert not (course.root / ".venv").exists()
 
 
 def test_help_and_a_wrong_argument_show_the_usage(course):

@@ -1,8 +1,7 @@
 """What environment-check.sh prints once it has found a Python.
 
-    python -m course_kit.environment [--json] STATE
-
-STATE is that of .venv, as course_kit.environment.stamp says it.
+python -m course_kit.environment [--json] STATE      STATE is that of .venv, as course_kit.environment.stamp says it
+python -m course_kit.environment --before-set-up     only what makes set-up vain, if there is anything
 """
 
 from __future__ import annotations
@@ -17,6 +16,11 @@ from course_kit.environment import checklist, report, stamp
 def main(arguments: Sequence[str]) -> int:
     """Print the report; the exit status is 1 if a check failed."""
     state = arguments[-1]
+    if state == "--before-set-up":
+        obstacles = report.failed(checklist.before_set_up(os.environ))
+        if obstacles:
+            print(report.text(obstacles[:1]))
+        return 1 if obstacles else 0
     checks = checklist.of_project(os.environ, state)
     if "--json" in arguments:
         print(report.as_json(checks))

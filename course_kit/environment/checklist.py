@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from course_kit.environment import machine, network, notebook, python, ros, stamp
@@ -46,9 +46,14 @@ def of_project(environ: Mapping[str, str], state: str) -> list[Check]:
     return run(Subject(environ, found, state, ready=True))
 
 
-def run(subject: Subject) -> list[Check]:
-    """Look at everything; a check that cannot look says so and does not stop the others."""
-    return [_look(name, check, subject) for name, check in CHECKS.items()]
+def before_set_up(environ: Mapping[str, str]) -> list[Check]:
+    """The checks of what no set-up can change."""
+    return run(Subject(environ, this_interpreter(), stamp.MISSING, ready=False), GIVEN)
+
+
+def run(subject: Subject, names: Iterable[str] = ()) -> list[Check]:
+    """Look at everything, or at what is named; a check that cannot look says so and does not stop the others."""
+    return [_look(name, CHECKS[name], subject) for name in names or CHECKS]
 
 
 def _look(name: str, check: Callable[[Subject], Check], subject: Subject) -> Check:
@@ -66,7 +71,7 @@ def _node(subject: Subject) -> Check:
 
 
 CHECKS: dict[str, Callable[[Subject], Check]] = {
-    "operating system": lambda s: machine.operating_system(platform.system(), machine.os_release()),
+    "operating system": lambda s: machine.operating_system(platform.system(), machine.os_release(), platform.release()),
     "C library": lambda s: machine.c_library(machine.c_library_version()),
     "architecture": lambda s: machine.architecture(platform.machine(), s.ros is not None),
     "memory": lambda s: machine.memory(*machine.available_memory()),
@@ -88,5 +93,6 @@ CHECKS: dict[str, Callable[[Subject], Check]] = {
     "JupyterLab": lambda s: notebook.jupyterlab(s.python, s.ready),
     "widgets": lambda s: notebook.widgets(s.python, s.ready),
     "port": lambda s: network.ports(),
-    "browser": lambda s: notebook.browser(s.environ),
+    "browser": lambda s: notebook.browser(s.environ, machine.is_wsl(platform.release())),
 }
+GIVEN = ("operating system", "C library", "architecture")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,20 +15,37 @@ from course_kit.environment.report import Check, fail, passed, warn
 NEEDED_MEMORY = 1000  # MB: JupyterLab, two kernels, a browser page
 NEEDED_DISK = 1500  # MB: the environment, what is compiled, the installer's cache
 SPARE_DISK = 200  # MB: recordings, bags, workspaces of the chapters
-USE_JAZZY = "use Ubuntu 24.04 with ROS 2 Jazzy from apt: source /opt/ros/jazzy/setup.bash"
+# Once apt knows ROS's packages, by the steps of https://docs.ros.org/en/jazzy/Installation/Ubuntu-Install-Debs.html.
+APT_JAZZY = (
+    "sudo apt-get install -y ros-jazzy-ros-base ros-jazzy-turtlesim ros-jazzy-example-interfaces python3-venv"
+    " && source /opt/ros/jazzy/setup.bash"
+)
 
 
-def operating_system(system: str, release: Mapping[str, str]) -> Check:
+def operating_system(system: str, release: Mapping[str, str], kernel: str = "") -> Check:
     """Linux, also in a container or in WSL 2. `release` holds the fields of /etc/os-release."""
     name = "operating system"
     if system != "Linux":
         return fail(
             name,
-            system,
+            {"Darwin": "macOS"}.get(system, system),
             "the packages of ROS 2 that the course installs are made for Linux",
-            "on Windows: wsl --install Ubuntu-24.04; on macOS use a Linux container or virtual machine",
+            "on Windows: wsl --install Ubuntu-24.04; on macOS: a Linux virtual machine or container",
         )
-    return passed(name, release.get("PRETTY_NAME", "Linux"))
+    distribution = release.get("PRETTY_NAME", "Linux")
+    if is_wsl(kernel) and "wsl2" not in kernel.lower():
+        return fail(
+            name,
+            f"{distribution} in WSL 1",
+            "WSL 1 has no Linux kernel, and DDS finds no other node there",
+            f"in PowerShell, with the name that wsl --list shows: wsl --set-version {release.get('NAME', 'Ubuntu')} 2",
+        )
+    return passed(name, f"{distribution} in WSL 2" if is_wsl(kernel) else distribution)
+
+
+def is_wsl(kernel: str) -> bool:
+    """Whether this is Linux in Windows: its kernel is called 5.15.90.1-microsoft-standard-WSL2."""
+    return "microsoft" in kernel.lower()
 
 
 def os_release() -> dict[str, str]:
@@ -69,7 +87,8 @@ def architecture(machine: str, sourced: bool) -> Check:
     """x86_64 for the ROS 2 wheels; whatever a sourced ROS 2 Jazzy runs on where there is one."""
     if sourced or machine == "x86_64":
         return passed("architecture", machine)
-    return fail("architecture", machine, "the wheels of ROS 2 exist for x86_64 only", USE_JAZZY)
+    reason = "the wheels of ROS 2 exist for x86_64 only; apt has it for arm64 on Ubuntu 24.04, and the course uses that"
+    return fail("architecture", machine, reason, APT_JAZZY)
 
 
 def available_memory(meminfo: Path = Path("/proc/meminfo"), cgroup: Path = Path("/sys/fs/cgroup")) -> tuple[int, int]:
@@ -112,8 +131,25 @@ def memory(available: int, total: int) -> Check:
 
 def disk(folder: Path, ready: bool) -> Check:
     """Room for the environment, or once it is there for what the chapters write; and the right to write."""
+    if is_of_windows(folder):
+        return windows_disk(folder)
     free = shutil.disk_usage(folder).free // 1_000_000
     return disk_space(folder, free, os.access(folder, os.W_OK), ready)
+
+
+def is_of_windows(folder: Path) -> bool:
+    """Whether it is on a disk of Windows, seen from WSL."""
+    return is_wsl(platform.release()) and re.match(r"/mnt/[a-z]/", f"{folder}/") is not None
+
+
+def windows_disk(folder: Path) -> Check:
+    """What such a folder means."""
+    return warn(
+        "disk",
+        f"{folder} is on a disk of Windows",
+        "from WSL each file there takes ten times as long, and links and permissions do not work as in Linux",
+        f"work in Linux's own folders: cp -r '{folder}' ~/course && cd ~/course",
+    )
 
 
 def disk_space(folder: Path, free: int, writable: bool, ready: bool) -> Check:

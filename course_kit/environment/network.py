@@ -12,6 +12,7 @@ from course_kit.environment.report import Check, fail, passed, warn
 LOOPBACK = "127.0.0.1"
 SHARED_MEMORY = Path("/dev/shm")
 NEEDED_SHARED_MEMORY = 32  # MB: each process with nodes takes 0.6, images come on top
+CONTAINERS_SHARED_MEMORY = 70  # MB: Docker gives 64 MiB unless it is told otherwise
 LAB_PORT = 8888
 LAB_PORTS = range(LAB_PORT, LAB_PORT + 51)  # JupyterLab tries the next ones when its own is taken
 PACKET_TIMEOUT = 2.0
@@ -31,8 +32,8 @@ def loopback(address: str = LOOPBACK) -> Check:
         return fail(
             name,
             f"no UDP packet gets through {address}: {error}",
-            "nodes in different processes find each other through it",
-            "sudo ip link set lo up, and let the firewall pass UDP on lo",
+            "nodes in different processes find each other through it; if it is up, a firewall may be in the way",
+            "sudo ip link set lo up",
         )
     return passed(name, f"a UDP packet gets through {address}")
 
@@ -47,17 +48,19 @@ def shared_memory(folder: Path = SHARED_MEMORY) -> Check:
             "DDS complains at every start and sends large messages the slow way, through UDP",
             f"sudo mount -t tmpfs -o mode=1777,size=512m tmpfs {folder}",
         )
-    return shared_memory_space(folder, shutil.disk_usage(folder).free // 1_000_000)
+    usage = shutil.disk_usage(folder)
+    return shared_memory_space(folder, usage.free // 1_000_000, usage.total // 1_000_000)
 
 
-def shared_memory_space(folder: Path, free: int) -> Check:
-    """The same from a figure: `free` in MB."""
+def shared_memory_space(folder: Path, free: int, total: int) -> Check:
+    """The same from figures in MB."""
     name = "shared memory"
     if free >= NEEDED_SHARED_MEMORY:
-        return passed(name, f"{free} MB free in {folder}")
+        small = " (a container's default; enough for the course)" if total < CONTAINERS_SHARED_MEMORY else ""
+        return passed(name, f"{free} of {total} MB free in {folder}{small}")
     return warn(
         name,
-        f"{free} MB free in {folder}",
+        f"{free} of {total} MB free in {folder}",
         "each process with nodes takes 0.6 MB, and what a killed one held stays; without it DDS gets slow",
         ".venv/bin/fastdds shm clean, or give a container more: docker run --shm-size=512m",
     )

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
 PASS, WARN, FAIL = "PASS", "WARN", "FAIL"
+APT = "sudo apt-get install -y "
 ANSI = {PASS: "32", WARN: "33", FAIL: "31"}  # green, yellow, red
 # White on these is readable on a light and on a dark page.
 BADGE = {PASS: "#2e7d32", WARN: "#a15c00", FAIL: "#c62828"}
@@ -64,12 +65,24 @@ def text(checks: Sequence[Check], colour: bool = False) -> str:
         if check.status != PASS:
             lines.append(f"{'':<{width + 8}}why:  {check.reason}")
             lines.append(f"{'':<{width + 8}}cure: {check.cure}")
-    return "\n".join([*lines, summary(checks)])
+    lines.append(summary(checks))
+    if root := for_root(checks):
+        lines.append(f"What needs root, in one line: {root}")
+    return "\n".join(lines)
+
+
+def for_root(checks: Sequence[Check]) -> str:
+    """One command line with every cure that takes root; empty if there is none."""
+    cures = dict.fromkeys(part for check in checks for part in check.cure.split(" && ") if part.startswith("sudo "))
+    packages = [word for cure in cures if cure.startswith(APT) for word in cure.removeprefix(APT).split()]
+    apt = [f"sudo apt-get update && {APT}{' '.join(dict.fromkeys(packages))}"] if packages else []
+    return " && ".join([*apt, *(cure for cure in cures if not cure.startswith(APT))])
 
 
 def as_json(checks: Sequence[Check]) -> str:
-    """{"ok": bool, "checks": [{"name", "status", "detail", "reason", "cure"}, ...]}"""
-    return json.dumps({"ok": not failed(checks), "checks": [asdict(check) for check in checks]}, indent=2)
+    """{"ok": bool, "root": command, "checks": [{"name", "status", "detail", "reason", "cure"}, ...]}"""
+    found = {"ok": not failed(checks), "root": for_root(checks), "checks": [asdict(check) for check in checks]}
+    return json.dumps(found, indent=2)
 
 
 def as_html(checks: Sequence[Check]) -> str:
