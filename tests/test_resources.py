@@ -15,11 +15,12 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_kit.background import running
+from course_kit.internals.fastdds_parts import Origin
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 from course_kit.recordings.meters import measure_rates
 from course_kit.resources import processes_with_nodes
-from course_kit.resources.processes_with_nodes import NOTEBOOK, Origin, listens
+from course_kit.resources.processes_with_nodes import NOTEBOOK, listens
 from course_kit.resources.resource_plots import plot_resources
 from course_kit.resources.resource_recording import record_resources
 from course_kit.spinning import context

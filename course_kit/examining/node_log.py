@@ -7,15 +7,18 @@ come and go. Each node has a publisher of its own for /rosout, and each line com
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Collection
 from typing import Any, NamedTuple
 
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 
-from course_kit.watching.rmw_subscription import SerializedSubscription, is_fast_dds
+from course_kit.internals import NotAsExpected
+from course_kit.internals.rmw_parts import SerializedSubscription, is_fast_dds
 
 TOPIC = "rt/rosout"  # /rosout, as the middleware spells it
 DEPTH = 10_000
@@ -34,16 +37,25 @@ class NodeLog:
     """The last 20,000 lines that were logged, also those that were logged shortly before. close() it in the end."""
 
     def __init__(self, node: Node) -> None:
-        self._subscription = SerializedSubscription(node, TOPIC, "rcl_interfaces", "Log", DEPTH)
         self._lines: deque[Line] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         # Cyclone DDS calls the sender of a message otherwise than the endpoint in the graph: there the name must do.
         self._by_name = not is_fast_dds()
+        self._subscription: SerializedSubscription | None = None
+        try:
+            self._subscription = SerializedSubscription(node, TOPIC, "rcl_interfaces", "Log", DEPTH)
+        except NotAsExpected:  # rclpy does not tell the publisher
+            self._by_name = True
+            qos = QoSProfile(depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+            node.create_subscription(Log, "/rosout", self._keep, qos)
+
+    def _keep(self, message: Log) -> None:
+        self._lines.append(Line(time.time_ns(), b"", message))
 
     def take(self) -> None:
         """Take what has come."""
         with self._lock:
-            while (sample := self._subscription.take()) is not None:
+            while self._subscription is not None and (sample := self._subscription.take()) is not None:
                 message = deserialize_message(sample.data, Log)
                 self._lines.append(Line(sample.received, sample.publisher, message))
 
@@ -60,4 +72,5 @@ class NodeLog:
     def close(self) -> None:
         """End the subscription; before the node is destroyed."""
         with self._lock:
-            self._subscription.close()
+            if self._subscription is not None:
+                self._subscription.close()

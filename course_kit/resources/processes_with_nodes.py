@@ -15,31 +15,15 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 from rclpy.node import Node
 
+from course_kit.internals.fastdds_parts import Origin, participant_ports
 from course_kit.ros_graph import graph
-from course_kit.ros_graph.discovery import DISCOVERY_OFFSET, DOMAIN_GAIN, PORT_BASE
 from course_kit.watching import instruments, topics
 
-FAST_DDS = b"\x01\x0f"
 OF_EVERY_NODE = ("/rosout", "/parameter_events")  # hardly a node is without a publisher on both
 NOTEBOOK = "this notebook"
 ELSEWHERE = "on another machine"
 GONE = "process has ended"
 UNKNOWN = "process not known"
-
-
-@dataclass(frozen=True)
-class Origin:
-    """What an endpoint's id says about where it comes from."""
-
-    host: bytes
-    pid_bits: int  # the lower 16 of the process id
-
-    @staticmethod
-    def of(gid: bytes) -> Origin | None:
-        """Read an id of Fast DDS; None for another middleware's."""
-        if gid[:2] != FAST_DDS:
-            return None
-        return Origin(bytes(gid[2:4]), int.from_bytes(gid[4:6], "little"))
 
 
 @dataclass(frozen=True)
@@ -106,8 +90,7 @@ def _process_of(origin: Origin, own: Origin, domain: int) -> tuple[int | None, s
 
 def listens(pid: int, domain: int) -> bool:
     """Whether a process has a port of the participants of a domain open; of other users' processes it is not known."""
-    first = PORT_BASE + DOMAIN_GAIN * domain
-    ports = range(first + DISCOVERY_OFFSET, first + DOMAIN_GAIN)
+    ports = participant_ports(domain)
     try:
         connections = psutil.Process(pid).net_connections("udp")
     except psutil.Error:

@@ -12,14 +12,14 @@ import threading
 import time
 import weakref
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Sequence
 
 from rclpy.node import Node
 
+from course_kit import internals
+from course_kit.internals.fastdds_parts import PARTICIPANT_SIZE, Entities, entities, participants_listening
+from course_kit.internals.rmw_parts import SerializedSubscription, is_fast_dds
 from course_kit.watching import instruments
-from course_kit.watching.rmw_subscription import GID_SIZE, SerializedSubscription, is_fast_dds
 from course_kit.watching.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
@@ -28,11 +28,6 @@ WHOLE_TIMEOUT = 6.0  # seconds given to the graph to become known; a graph at re
 TAKE_PERIOD = 1.0  # seconds between two looks at the messages of a process that stays
 TOPIC = "ros_discovery_info"
 DEPTH = 1000
-PARTICIPANT_SIZE = 12  # bytes of an endpoint's id, the first, that are its participant's
-
-# How RTPS computes the ports of a domain's participants: 2 for each, for discovery and for data.
-PORT_BASE, DOMAIN_GAIN, PARTICIPANT_GAIN = 7400, 250, 2
-DISCOVERY_OFFSET, DATA_OFFSET = 10, 11
 
 _lock = threading.Lock()
 _discoveries: weakref.WeakKeyDictionary[Node, Discovery] = weakref.WeakKeyDictionary()
@@ -47,55 +42,6 @@ def of(node: Node) -> Discovery:
         return _discoveries[node]
 
 
-def participants_listening(domain: int, table: str) -> int:
-    """How many participants of a domain have their ports open, from the text of /proc/net/udp."""
-    first = PORT_BASE + DOMAIN_GAIN * domain
-    ports = {int(line.split()[1].rsplit(":", 1)[1], 16) for line in table.splitlines()[1:]}
-    discovery = range(first + DISCOVERY_OFFSET, first + DOMAIN_GAIN, PARTICIPANT_GAIN)
-    gap = DATA_OFFSET - DISCOVERY_OFFSET
-    return sum(port in ports and port + gap in ports for port in discovery)
-
-
-@dataclass(frozen=True)
-class Entities:
-    """What one participant announces: its id, its nodes as (name, namespace), and the ids of all their endpoints."""
-
-    participant: bytes
-    nodes: tuple[tuple[str, str], ...]
-    endpoints: frozenset[bytes]
-
-
-def entities(data: bytes) -> Entities:
-    """Read a serialised rmw_dds_common/msg/ParticipantEntitiesInfo.
-
-    Read here, because the message's Python class loads numpy, which takes longer than all else that a list does.
-    """
-    place = 4  # behind the header, which says how integers are stored; its size keeps the alignment of 4
-    order = "little" if data[1] & 1 else "big"
-
-    def take(size: int) -> bytes:
-        nonlocal place
-        place += size
-        return data[place - size : place]
-
-    def take_count() -> int:
-        nonlocal place
-        place += -place % 4
-        return int.from_bytes(take(4), order)  # type: ignore[arg-type]
-
-    def take_text() -> str:
-        return take(take_count()).rstrip(b"\0").decode()
-
-    participant = take(GID_SIZE)
-    nodes, ids = [], []
-    for _ in range(take_count()):
-        namespace, name = take_text(), take_text()
-        nodes.append((name, namespace))
-        for _ in range(2):  # its readers, its writers
-            ids += [take(GID_SIZE) for _ in range(take_count())]
-    return Entities(participant[:PARTICIPANT_SIZE], tuple(nodes), frozenset(ids))
-
-
 class Discovery:
     """What one node has learned of the graph so far, and what it must still learn."""
 
@@ -105,11 +51,24 @@ class Discovery:
         self._announced: dict[bytes, Entities] = {}  # by participant
         self._known = 0  # participants, at the last look
         self._found: set[bytes] = set()  # endpoints that the graph has shown with their node
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._is_kept = False
         self._subscription: SerializedSubscription | None = None
         if is_fast_dds():
-            self._subscription = SerializedSubscription(node, TOPIC, "rmw_dds_common", "ParticipantEntitiesInfo", DEPTH)
+            with self._going_on_without():
+                self._subscription = SerializedSubscription(
+                    node, TOPIC, "rmw_dds_common", "ParticipantEntitiesInfo", DEPTH
+                )
+
+    @contextlib.contextmanager
+    def _going_on_without(self) -> Iterator[None]:
+        """Where the announcements cannot be read, lists wait until nothing new comes, as beside another middleware."""
+        try:
+            yield
+        except internals.NotAsExpected as error:
+            internals.say(f"{error}: lists of nodes and topics take some seconds, and may miss what is slow to appear")
+            self.close()
+            self._subscription = None
 
     def keep(self, node: Node) -> None:
         """Take messages regularly from now on: for a process that stays, so that none is overwritten."""
@@ -151,7 +110,8 @@ class Discovery:
         self._known = len(known)
         if self._subscription is None:
             return False
-        if len(known) < participants_listening(self._domain, Path("/proc/net/udp").read_text()):
+        listening = participants_listening(self._domain)
+        if listening is None or len(known) < listening:
             return False
         announced = self._announced_by(known)
         if len(announced) < len(known):
@@ -168,9 +128,9 @@ class Discovery:
         The middleware keeps a node for ever if its last message is read after the end of its participant.
         """
         node = self._node()
+        announced = self._announced_by(self._participants(node)) if node is not None else []
         if node is None or self._subscription is None:
             return list(listed)
-        announced = self._announced_by(self._participants(node))
         return list((Counter(listed) & _nodes(announced)).elements())
 
     def _participants(self, node: Node) -> set[bytes]:
@@ -183,7 +143,7 @@ class Discovery:
         return [self._announced[participant] for participant in participants if participant in self._announced]
 
     def _take(self) -> None:
-        with self._lock:
+        with self._lock, self._going_on_without():
             while self._subscription is not None and (sample := self._subscription.take()) is not None:
                 announced = entities(sample.data)
                 self._announced[announced.participant] = announced

@@ -1,0 +1,67 @@
+"""Parts of other libraries that are no public interface of theirs: one module for each library, and nowhere else.
+
+Each module looks at the first use whether the parts are as expected, and raises NotAsExpected where they are not: who
+uses them says what does not work here, once, and goes on without them where that can be.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+# The releases of rclpy that the tests ran with, as package.xml has them: that of the wheel 7.1.6 says 7.1.5.
+TRIED_RCLPY = ("7.1.5", "7.1.6")
+
+_said: set[str] = set()
+_unsaid: list[str] = []
+
+
+class NotAsExpected(RuntimeError):  # noqa: N818  (reads as what is found)
+    """A part of another library is not what the course stands on; the text says in one line what differs."""
+
+
+def expect(library: str, owner: Any, *names: str) -> None:
+    """Raise NotAsExpected unless a class or module of a library has these attributes."""
+    missing = [name for name in names if not hasattr(owner, name)]
+    if missing:
+        raise NotAsExpected(f"{library} has no {getattr(owner, '__name__', owner)}.{missing[0]} here")
+
+
+def note(line: str) -> None:
+    """Have say() print a line, once in a process."""
+    if line not in _said:
+        _said.add(line)
+        _unsaid.append(line)
+
+
+def say(line: str = "") -> None:
+    """Print on stderr what does not work here: this line, once in a process, and those noted before."""
+    if line:
+        note(line)
+    while _unsaid:
+        print(f"course_kit: {_unsaid.pop(0)}", file=sys.stderr)
+
+
+def package_version(package: str, prefixes: Iterable[str | Path] | None = None) -> str:
+    """The version of a ROS package, from its package.xml in the first of these prefixes; '' where there is none."""
+    if prefixes is None:
+        prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    for prefix in prefixes:
+        try:
+            text = Path(prefix, "share", package, "package.xml").read_text(encoding="utf-8")
+        except OSError:
+            continue
+        found = re.search(r"<version[^>]*>\s*([\w.]+)\s*</version>", text)
+        return found[1] if found else ""
+    return ""
+
+
+def untried(version: str) -> str:
+    """What to say of a release of rclpy that the tests did not run with; '' for the others."""
+    if version in TRIED_RCLPY:
+        return ""
+    return f"the course was tried with rclpy {TRIED_RCLPY[-1]}; what does not work with {version or 'this one'} says so"
