@@ -11,7 +11,13 @@ import pytest
 from tests.waiting import TIMEOUT
 
 # As rclpy in a deadlock of the middleware: in a native call, and no other thread of Python's runs.
-NEVER_RETURNS = "import ctypes, sys; stuck = ctypes.PyDLL(None).pause\n"
+NEVER_RETURNS = """
+import ctypes, sys
+libc, mutex = ctypes.PyDLL(None), ctypes.create_string_buffer(64)
+def stuck():
+    libc.pthread_mutex_lock(mutex)
+    libc.pthread_mutex_lock(mutex)
+"""
 
 NODE = """
 from rclpy.node import Node
@@ -46,7 +52,7 @@ checker.main()
 def run(code: str, *arguments: str) -> tuple[int, list[str]]:
     """Run Python code; give its exit status and the lines it printed."""
     command = [sys.executable, "-c", NEVER_RETURNS + code, *arguments]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=TIMEOUT)
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=60)
     return done.returncode, done.stdout.splitlines()
 
 
