@@ -95,9 +95,8 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
         print("\nProcesses were left:", *left, sep="\n")
     leftovers.remove_shared_memory()
-    failed = session.exitstatus == pytest.ExitCode.TESTS_FAILED
-    leftovers.remove_files(but_keep=failed)
-    if failed:
+    if session.exitstatus == pytest.ExitCode.TESTS_FAILED:
+        leftovers.keep_files()
         print(f"\nThe tests' files are kept in {leftovers.KEPT}")
 
 

@@ -5,6 +5,7 @@ All of a run's processes have one folder for temporary files, and a mark in thei
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import os
 import shutil
@@ -21,20 +22,18 @@ KEPT = Path(__file__).parents[1] / "build/failed-tests"
 
 
 def begin() -> None:
-    """Give this process and its children the folder and the mark."""
+    """Give this process and its children the folder and the mark; the folder goes when this process ends."""
     folder = tempfile.mkdtemp(prefix="ck-")
     os.environ["TMPDIR"] = os.environ[MARK] = folder
     tempfile.tempdir = None  # it is looked up once
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
 
 
-def remove_files(but_keep: bool) -> None:
-    """Remove the folder with all that is in it, or move it to where it is kept until the next run that fails."""
-    folder = os.environ[MARK]
-    if but_keep:
-        shutil.rmtree(KEPT, ignore_errors=True)
-        KEPT.parent.mkdir(exist_ok=True)
-        shutil.move(folder, KEPT)
-    shutil.rmtree(folder, ignore_errors=True)
+def keep_files() -> None:
+    """Put the folder's files where they are kept until the next run that fails."""
+    shutil.rmtree(KEPT, ignore_errors=True)
+    KEPT.parent.mkdir(exist_ok=True)
+    subprocess.run(["cp", "-a", os.environ[MARK], KEPT], timeout=60)  # sockets too, which shutil cannot
 
 
 def remove_shared_memory() -> None:
@@ -61,6 +60,8 @@ def _processes(own: set[int]) -> list[psutil.Process]:
     found = []
     for process in psutil.process_iter():
         with contextlib.suppress(psutil.Error):
-            if process.pid not in own and process.environ().get(MARK) == os.environ[MARK]:
+            if process.pid in own or process.environ().get(MARK) != os.environ[MARK]:
+                continue
+            if "multiprocessing" not in " ".join(process.cmdline()):  # its servers end with this process
                 found.append(process)
     return found

@@ -1,7 +1,8 @@
-"""Runs `ros2` as a user's shell would: a process of its own."""
+"""Runs `ros2` as a user's shell would, in a process of its own; see ros2_fork.py for how that starts."""
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -10,9 +11,14 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from tempfile import NamedTemporaryFile
+
+from tests import ros2_fork
 
 COMMAND = (sys.executable, "-m", "course_kit.ros2.command")
 TIMEOUT = 60.0
+FORKS = multiprocessing.get_context("forkserver")
+FORKS.set_forkserver_preload(["tests.ros2_forks_from"])
 
 
 @dataclass(frozen=True)
@@ -28,19 +34,17 @@ class Outcome:
 def ros2(*words: str, interrupt_after: float | None = None, **environment: str) -> Outcome:
     """Run `ros2 words…` to its end; send SIGINT after some seconds if told so."""
     began = time.monotonic()
-    process = subprocess.Popen(
-        [*COMMAND, *words],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | {"COLUMNS": "80"} | environment,
-    )
-    try:
-        out, err = process.communicate(timeout=TIMEOUT if interrupt_after is None else interrupt_after)
-    except subprocess.TimeoutExpired:
-        process.send_signal(signal.SIGINT if interrupt_after is not None else signal.SIGKILL)
-        out, err = process.communicate(timeout=TIMEOUT)
-    return Outcome(out, err, process.returncode, time.monotonic() - began)
+    with NamedTemporaryFile("r") as out, NamedTemporaryFile("r") as err:
+        variables = os.environ | {"COLUMNS": "80"} | environment
+        process = FORKS.Process(target=ros2_fork.run, args=(words, variables, out.name, err.name))
+        process.start()
+        assert process.pid is not None
+        process.join(TIMEOUT if interrupt_after is None else interrupt_after)
+        if process.is_alive():
+            os.kill(process.pid, signal.SIGKILL if interrupt_after is None else signal.SIGINT)
+        process.join(TIMEOUT)
+        assert process.exitcode is not None, f"`ros2 {' '.join(words)}` does not end"
+        return Outcome(out.read(), err.read(), process.exitcode, time.monotonic() - began)
 
 
 @contextmanager

@@ -25,6 +25,7 @@ def test_my_interfaces_is_what_chapter_2_writes():
     }
 
 
+@pytest.mark.slow("chapters 4 and 5 build the package too")
 @pytest.mark.timeout(300)  # a build, maybe beside others
 def test_a_package_is_built_once_and_then_left_as_it_is(tmp_path, capfd, monkeypatch):
     monkeypatch.setattr(Workspace, "use", lambda workspace: None)  # it would change this process for all other tests
