@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from course_kit.ending import shared_memory
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
@@ -109,6 +110,8 @@ def test_what_a_killed_kernel_leaves_in_shared_memory_goes_with_the_start_of_the
     maps = Path(f"/proc/{kernel.manager.provisioner.process.pid}/maps").read_text()
     left = [Path(path) for path in set(re.findall(r"/dev/shm/fastrtps_[0-9a-f]{16}$", maps, re.MULTILINE))]
     assert left
+    newest = max(path.stat().st_mtime for path in left)
+    wait_until(lambda: time.time() - newest > shared_memory.NEW)
     kernel.client.stop_channels()
     kernel.manager.restart_kernel(now=True)
     kernel.connect()
