@@ -44,6 +44,7 @@ class DeclareLaunchArgument(Action):
         raise RuntimeError(message)
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Give the argument its default value if it has none yet; refuse one that is none of the choices."""
         values = context.launch_configurations
         if self.name not in values:
             if self.default_value is None:
@@ -68,57 +69,64 @@ def _description(given: str | None, choices: list[str] | None) -> str:
     return f"{given}{'' if given.endswith('.') else '.'} Valid choices are: {choices}"
 
 
-class SetLaunchConfiguration(Action):
+class TextAction(Action):
+    """An action that is given texts, which are its attributes: `_act` gets what they are when it is executed."""
+
+    def __init__(self, texts: Mapping[str, SomeSubstitutions], **options: Any) -> None:
+        super().__init__(**options)
+        self._texts = {name: normalize(text) for name, text in texts.items()}
+        vars(self).update(self._texts)
+
+    def execute(self, context: LaunchContext) -> Entities:
+        """Perform the texts, and act on them."""
+        self._act(context, *(perform(context, text) for text in self._texts.values()))
+        return None
+
+    def _act(self, context: LaunchContext, *texts: Any) -> None:
+        raise NotImplementedError
+
+
+class SetLaunchConfiguration(TextAction):
     """Gives a launch configuration a value."""
 
     def __init__(self, name: SomeSubstitutions, value: SomeSubstitutions, **options: Any) -> None:
-        super().__init__(**options)
-        self.name = normalize(name)
-        self.value = normalize(value)
+        super().__init__({"name": name, "value": value}, **options)
 
-    def execute(self, context: LaunchContext) -> Entities:
-        context.launch_configurations[perform(context, self.name)] = perform(context, self.value)
-        return None
+    def _act(self, context: LaunchContext, name: str, value: str) -> None:
+        context.launch_configurations[name] = value
 
 
-class UnsetLaunchConfiguration(Action):
+class UnsetLaunchConfiguration(TextAction):
     """Takes a launch configuration away."""
 
     def __init__(self, name: SomeSubstitutions, **options: Any) -> None:
-        super().__init__(**options)
-        self.name = normalize(name)
+        super().__init__({"name": name}, **options)
 
-    def execute(self, context: LaunchContext) -> Entities:
-        context.launch_configurations.pop(perform(context, self.name), None)
-        return None
+    def _act(self, context: LaunchContext, name: str) -> None:
+        context.launch_configurations.pop(name, None)
 
 
-class SetEnvironmentVariable(Action):
+class SetEnvironmentVariable(TextAction):
     """Sets an environment variable for the processes that are started after it."""
 
     def __init__(self, name: SomeSubstitutions, value: SomeSubstitutions, **options: Any) -> None:
-        super().__init__(**options)
-        self.name = normalize(name)
-        self.value = normalize(value)
+        super().__init__({"name": name, "value": value}, **options)
 
-    def execute(self, context: LaunchContext) -> Entities:
-        context.environment[perform(context, self.name)] = perform(context, self.value)
-        return None
+    def _act(self, context: LaunchContext, name: str, value: str) -> None:
+        context.environment[name] = value
 
 
-class UnsetEnvironmentVariable(Action):
+class UnsetEnvironmentVariable(TextAction):
     """Takes an environment variable away."""
 
     def __init__(self, name: SomeSubstitutions, **options: Any) -> None:
-        super().__init__(**options)
-        self.name = normalize(name)
+        super().__init__({"name": name}, **options)
 
-    def execute(self, context: LaunchContext) -> Entities:
-        context.environment.pop(perform(context, self.name), None)
-        return None
+    def _act(self, context: LaunchContext, name: str) -> None:
+        context.environment.pop(name, None)
 
 
-class AppendEnvironmentVariable(Action):
+class AppendEnvironmentVariable(TextAction):
     """Adds to an environment variable that is a list, such as PATH."""
 
     def __init__(
@@ -129,18 +137,25 @@ class AppendEnvironmentVariable(Action):
         separator: SomeSubstitutions = os.pathsep,
         **options: Any,
     ) -> None:
-        super().__init__(**options)
-        self.name = normalize(name)
-        self.value = normalize(value)
+        super().__init__({"name": name, "value": value, "separator": separator}, **options)
         self.prepend = prepend
-        self.separator = normalize(separator)
 
-    def execute(self, context: LaunchContext) -> Entities:
-        name, value = perform(context, self.name), perform(context, self.value)
+    def _act(self, context: LaunchContext, name: str, value: str, separator: str) -> None:
         before = context.environment.get(name)
         parts = [value] if not before else [value, before] if self.prepend else [before, value]
-        context.environment[name] = perform(context, self.separator).join(parts)
-        return None
+        context.environment[name] = separator.join(parts)
+
+
+class LogInfo(TextAction):
+    """Logs a message."""
+
+    msg: list[Substitution]
+
+    def __init__(self, *, msg: SomeSubstitutions, **options: Any) -> None:
+        super().__init__({"msg": msg}, **options)
+
+    def _act(self, context: LaunchContext, msg: str) -> None:
+        output.get_logger("launch.user").info(msg)
 
 
 class Step(LaunchDescriptionEntity):
@@ -150,6 +165,7 @@ class Step(LaunchDescriptionEntity):
         self._step = step
 
     def visit(self, context: LaunchContext) -> Entities:
+        """Call it."""
         self._step(context)
         return None
 
@@ -173,37 +189,25 @@ class GroupAction(Action):
         self.launch_configurations = dict(launch_configurations or {})
 
     def get_sub_entities(self) -> Entities:
+        """The actions of the group."""
         return self.actions
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Open the scope, visit the actions, close it."""
         values = {perform(context, name): perform(context, value) for name, value in self.launch_configurations.items()}
 
         def enter(context: LaunchContext) -> None:
             if self.scoped:
-                context.push_configurations()
-                context.push_environment()
+                context.push_scope()
                 if not self.forwarding:
                     context.launch_configurations.clear()
             context.launch_configurations.update(values)
 
         def leave(context: LaunchContext) -> None:
             if self.scoped:
-                context.pop_environment()
-                context.pop_configurations()
+                context.pop_scope()
 
         return [Step(enter), *self.actions, Step(leave)]
-
-
-class LogInfo(Action):
-    """Logs a message."""
-
-    def __init__(self, *, msg: SomeSubstitutions, **options: Any) -> None:
-        super().__init__(**options)
-        self.msg = normalize(msg)
-
-    def execute(self, context: LaunchContext) -> Entities:
-        output.get_logger("launch.user").info(perform(context, self.msg))
-        return None
 
 
 class OpaqueFunction(Action):
@@ -225,11 +229,5 @@ class OpaqueFunction(Action):
         self._kwargs = dict(kwargs or {})
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Call the function."""
         return as_list(self._function(context, *self._args, **self._kwargs))
-
-
-def is_substitution(value: Any) -> bool:
-    """Whether a value is known only when the launch file runs."""
-    return isinstance(value, Substitution) or (
-        isinstance(value, (list, tuple)) and any(isinstance(part, Substitution) for part in value)
-    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from course_kit.launching.substitutions import SomeSubstitutions, as_bool, described, normalize, perform
@@ -15,11 +16,14 @@ class InvalidConditionExpressionError(RuntimeError):
 
 
 class Condition:
-    """Something that holds or not when the launch file runs."""
+    """Something that holds or not when the launch file runs: what `predicate` says, called with the context."""
+
+    def __init__(self, *, predicate: Callable[[LaunchContext], bool]) -> None:
+        self._predicate = predicate
 
     def evaluate(self, context: LaunchContext) -> bool:
         """Whether it holds."""
-        raise NotImplementedError
+        return bool(self._predicate(context))
 
 
 class IfCondition(Condition):
@@ -27,8 +31,9 @@ class IfCondition(Condition):
 
     def __init__(self, predicate_expression: SomeSubstitutions) -> None:
         self._expression = normalize(predicate_expression)
+        super().__init__(predicate=self._is_true)
 
-    def evaluate(self, context: LaunchContext) -> bool:
+    def _is_true(self, context: LaunchContext) -> bool:
         text = perform(context, self._expression)
         try:
             return as_bool(text)
@@ -42,8 +47,8 @@ class IfCondition(Condition):
 class UnlessCondition(IfCondition):
     """The opposite of IfCondition."""
 
-    def evaluate(self, context: LaunchContext) -> bool:
-        return not super().evaluate(context)
+    def _is_true(self, context: LaunchContext) -> bool:
+        return not super()._is_true(context)
 
 
 class LaunchConfigurationEquals(Condition):
@@ -52,15 +57,15 @@ class LaunchConfigurationEquals(Condition):
     def __init__(self, launch_configuration_name: str, expected_value: SomeSubstitutions | None) -> None:
         self._name = launch_configuration_name
         self._expected = None if expected_value is None else normalize(expected_value)
+        super().__init__(predicate=self._is_equal)
 
-    def evaluate(self, context: LaunchContext) -> bool:
+    def _is_equal(self, context: LaunchContext) -> bool:
         value = context.launch_configurations.get(self._name)
-        expected = None if self._expected is None else perform(context, self._expected)
-        return bool(value == expected)
+        return bool(value == (None if self._expected is None else perform(context, self._expected)))
 
 
 class LaunchConfigurationNotEquals(LaunchConfigurationEquals):
     """The opposite of LaunchConfigurationEquals."""
 
-    def evaluate(self, context: LaunchContext) -> bool:
-        return not super().evaluate(context)
+    def _is_equal(self, context: LaunchContext) -> bool:
+        return not super()._is_equal(context)

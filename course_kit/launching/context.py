@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 from collections import Counter, deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -41,9 +42,7 @@ class LaunchContext:
         self.group_interrupted = False  # a Ctrl-C reached every process by itself
         self.loop: asyncio.AbstractEventLoop | None = None
         self._locals: dict[str, Any] = {}
-        self._locals_stack: list[dict[str, Any]] = []
-        self._configurations_stack: list[dict[str, Any]] = []
-        self._environment_stack: list[dict[str, str]] = []
+        self._scopes: list[tuple[dict[str, Any], dict[str, str]]] = []
 
     @property
     def asyncio_loop(self) -> asyncio.AbstractEventLoop:
@@ -73,26 +72,25 @@ class LaunchContext:
         """Take local values away."""
         self._locals = {name: value for name, value in self._locals.items() if name not in set(names)}
 
-    def push_locals(self) -> None:
-        self._locals_stack.append(self._locals)
+    @contextlib.contextmanager
+    def own_locals(self) -> Iterator[None]:
+        """What is added to the local values while the block runs ends with it."""
+        before = self._locals
+        try:
+            yield
+        finally:
+            self._locals = before
 
-    def pop_locals(self) -> None:
-        self._locals = self._locals_stack.pop()
+    def push_scope(self) -> None:
+        """Have what is set from now on, launch configurations and environment, last until pop_scope()."""
+        self._scopes.append((dict(self.launch_configurations), dict(os.environ)))
 
-    def push_configurations(self) -> None:
-        self._configurations_stack.append(dict(self.launch_configurations))
-
-    def pop_configurations(self) -> None:
-        self.launch_configurations = self._configurations_stack.pop()
-
-    def push_environment(self) -> None:
-        self._environment_stack.append(dict(os.environ))
-
-    def pop_environment(self) -> None:
-        before = self._environment_stack.pop()
-        if before != dict(os.environ):
+    def pop_scope(self) -> None:
+        """Set launch configurations and environment back to what they were."""
+        self.launch_configurations, environment = self._scopes.pop()
+        if environment != dict(os.environ):
             os.environ.clear()
-            os.environ.update(before)
+            os.environ.update(environment)
 
     def perform_substitution(self, substitution: Substitution) -> str:
         """The text of a substitution."""

@@ -62,12 +62,15 @@ class Action(LaunchDescriptionEntity):
         self.condition = condition
 
     def describe(self) -> str:
+        """How it is named in messages."""
         return repr(self)
 
     def describe_sub_entities(self) -> Entities:
+        """What is always visited with it: nothing if it has a condition."""
         return self.get_sub_entities() if self.condition is None else []
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
+        """What is visited with it if its condition holds."""
         return [("Conditionally included by condition", self.get_sub_entities() or [])] if self.condition else []
 
     def get_sub_entities(self) -> Entities:
@@ -75,6 +78,7 @@ class Action(LaunchDescriptionEntity):
         return []
 
     def visit(self, context: LaunchContext) -> Entities:
+        """Execute it if its condition holds, and tell that it is done."""
         if self.condition is not None and not self.condition.evaluate(context):
             return None
         try:
@@ -107,6 +111,7 @@ class LaunchDescription(LaunchDescriptionEntity):
         self.deprecated_reason = deprecated_reason
 
     def visit(self, context: LaunchContext) -> Entities:
+        """Warn if it is deprecated; visit its entities."""
         if self.deprecated_reason is not None:
             path = context.get_locals_as_dict().get("current_launch_file_path")
             what = f"launch file [{path}] is deprecated" if path else "deprecated launch description"
@@ -114,6 +119,7 @@ class LaunchDescription(LaunchDescriptionEntity):
         return self.entities
 
     def describe_sub_entities(self) -> Entities:
+        """Its entities."""
         return self.entities
 
     def add_entity(self, entity: LaunchDescriptionEntity) -> None:

@@ -7,11 +7,10 @@ from collections.abc import Iterable
 from typing import Any
 
 from course_kit.launching import events, output
-from course_kit.launching.actions import is_substitution
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import Action, Entities, LaunchDescriptionEntity
 from course_kit.launching.handlers import EventHandler, OnShutdown
-from course_kit.launching.substitutions import SomeSubstitutions, as_bool, normalize, perform
+from course_kit.launching.substitutions import SomeSubstitutions, as_bool, is_substitution, normalize, perform
 
 
 class EmitEvent(Action):
@@ -24,6 +23,7 @@ class EmitEvent(Action):
         self.event = event
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Have the event handled."""
         context.emit_event_sync(self.event)
         return None
 
@@ -35,6 +35,7 @@ class Shutdown(EmitEvent):
         super().__init__(event=events.Shutdown(reason=reason, due_to_sigint=False), **options)
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Have the launch end, and tell whose exit was the reason."""
         event = context.get_locals_as_dict().get("event")
         if isinstance(event, events.ProcessExited):
             output.get_logger("launch").info(
@@ -53,10 +54,12 @@ class RegisterEventHandler(Action):
         self.event_handler = event_handler
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Add it."""
         context.register_event_handler(self.event_handler)
         return None
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
+        """What the handler leads to."""
         description, entities = self.event_handler.describe()
         return [(description, entities)]
 
@@ -69,6 +72,7 @@ class UnregisterEventHandler(Action):
         self.event_handler = event_handler
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Take it away."""
         context.unregister_event_handler(self.event_handler)
         return None
 
@@ -96,15 +100,19 @@ class TimerAction(Action):
         self._is_cancelled = False
 
     def describe(self) -> str:
+        """How it is named in messages."""
         return f"TimerAction(period={self.period}, actions=<actions>)"
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
+        """The actions, when the time is over."""
         return [(f"{self.period} seconds pass without being canceled", self.actions)]
 
     def get_asyncio_future(self) -> asyncio.Future[None] | None:
+        """Done when the time is over or the timer cancelled."""
         return self._over
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Start the timer."""
         if self._is_cancelled:
             return None
         given = self.period

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -19,41 +20,37 @@ class Event:
     name = "launch.Event"
 
 
+@dataclass(eq=False, repr=False)
 class IncludeLaunchDescription(Event):
     """A launch description is to be visited."""
 
     name = "launch.events.IncludeLaunchDescription"
-
-    def __init__(self, launch_description: LaunchDescriptionEntity) -> None:
-        self.launch_description = launch_description
+    launch_description: LaunchDescriptionEntity
 
 
+@dataclass(eq=False, repr=False, kw_only=True)
 class Shutdown(Event):
     """The launch is to end."""
 
     name = "launch.events.Shutdown"
-
-    def __init__(self, *, reason: str = "reason not given", due_to_sigint: bool = False) -> None:
-        self.reason = reason
-        self.due_to_sigint = due_to_sigint
+    reason: str = "reason not given"
+    due_to_sigint: bool = False
 
 
+@dataclass(eq=False, repr=False, kw_only=True)
 class ExecutionComplete(Event):
     """An action has been executed."""
 
     name = "launch.events.ExecutionComplete"
-
-    def __init__(self, *, action: Action) -> None:
-        self.action = action
+    action: Action
 
 
+@dataclass(eq=False, repr=False, kw_only=True)
 class TimerEvent(Event):
     """The time of a TimerAction is over."""
 
     name = "launch.events.TimerEvent"
-
-    def __init__(self, *, timer_action: TimerAction) -> None:
-        self.timer_action = timer_action
+    timer_action: TimerAction
 
 
 class RunningProcessEvent(Event):
@@ -70,11 +67,6 @@ class RunningProcessEvent(Event):
         self.cwd = cwd
         self.env = env
         self.pid = pid
-
-    def details(self) -> dict[str, Any]:
-        """The arguments of another event about the same process."""
-        same = {name: getattr(self, name) for name in ("action", "cmd", "cwd", "env", "pid")}
-        return {**same, "name": self.process_name}
 
 
 class ProcessStarted(RunningProcessEvent):
@@ -105,10 +97,12 @@ class ProcessIO(RunningProcessEvent):
 
     @property
     def from_stdout(self) -> bool:
+        """Whether it is what the program prints."""
         return self.source == "stdout"
 
     @property
     def from_stderr(self) -> bool:
+        """Whether it is what the program complains of."""
         return self.source == "stderr"
 
 
@@ -126,13 +120,12 @@ class ProcessStderr(ProcessIO):
     source = "stderr"
 
 
+@dataclass(eq=False, repr=False, kw_only=True)
 class ProcessTargetedEvent(Event):
     """Something that certain processes are to do."""
 
     name = "launch.events.process.ProcessTargetedEvent"
-
-    def __init__(self, *, process_matcher: Matcher) -> None:
-        self.process_matcher = process_matcher
+    process_matcher: Matcher
 
 
 class ShutdownProcess(ProcessTargetedEvent):
@@ -154,6 +147,7 @@ class SignalProcess(ProcessTargetedEvent):
 
     @property
     def signal_name(self) -> str:
+        """The signal's name, such as SIGINT."""
         return self.signal.name
 
 

@@ -150,6 +150,7 @@ class OnShutdown(EventHandler):
         super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown, **options)
 
     def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
+        """How --print shows it, and what it leads to."""
         entities = [] if callable(self._entities) else as_list(self._entities)
         return f"OnShutdown(on_shutdown={'<actions>' if entities else self._entities})", entities
 

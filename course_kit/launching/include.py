@@ -127,6 +127,7 @@ class PythonLaunchDescriptionSource(LaunchDescriptionSource):
         super().__init__(None, launch_file_path, "interpreted python launch file")
 
     def load(self, path: str) -> LaunchDescription:
+        """Load it from a Python file."""
         return load_python_launch_file(path)
 
 
@@ -137,6 +138,7 @@ class AnyLaunchDescriptionSource(LaunchDescriptionSource):
         super().__init__(None, launch_file_path, "any launch file")
 
     def load(self, path: str) -> LaunchDescription:
+        """Load it from a file of any format."""
         return load_launch_file(path)
 
 
@@ -157,10 +159,12 @@ class IncludeLaunchDescription(Action):
         self.launch_arguments = tuple(launch_arguments or ())
 
     def get_sub_entities(self) -> Entities:
+        """The description, if it can be known without running the launch file."""
         description = self.launch_description_source.try_get_launch_description_without_context()
         return [] if description is None else [description]
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Set the arguments, visit the description, and go back to the including file."""
         description = self.launch_description_source.get_launch_description(context)
         before = {name: value for name, value in context.get_locals_as_dict().items() if name in _LOCALS}
         location = self.launch_description_source.location

@@ -9,8 +9,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from course_kit.launching import output, parameters
+from course_kit.launching.actions import TextAction
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.entities import Action, Entities
+from course_kit.launching.entities import Entities
 from course_kit.launching.package_substitutions import ExecutableInPackage
 from course_kit.launching.process import ExecuteProcess
 from course_kit.launching.substitutions import (
@@ -56,16 +57,14 @@ def validate_namespace(namespace: str) -> None:
         validate(namespace)
 
 
-class PushROSNamespace(Action):
+class PushROSNamespace(TextAction):
     """Puts the nodes after it into a namespace, to the end of the group."""
 
     def __init__(self, namespace: SomeSubstitutions, **options: Any) -> None:
-        super().__init__(**options)
-        self.namespace = normalize(namespace)
+        super().__init__({"namespace": namespace}, **options)
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def _act(self, context: LaunchContext, pushed: str) -> None:
         before = context.launch_configurations.get("ros_namespace")
-        pushed = perform(context, self.namespace)
         namespace = joined_namespace(before, pushed)
         assert namespace is not None
         try:
@@ -75,36 +74,30 @@ class PushROSNamespace(Action):
                 f"The resulting namespace is invalid: [previous_namespace='{before}', pushed_namespace='{pushed}']"
             ) from None
         context.launch_configurations["ros_namespace"] = namespace
-        return None
 
 
-class SetParameter(Action):
+class SetParameter(TextAction):
     """Gives all nodes after it a parameter, to the end of the group."""
 
     def __init__(self, name: SomeSubstitutions, value: Any, **options: Any) -> None:
-        super().__init__(**options)
-        self.name = normalize(name)
+        super().__init__({"name": name}, **options)
         self.value = value
 
-    def execute(self, context: LaunchContext) -> Entities:
-        given = {perform(context, self.name): parameters.evaluated(context, self.value)}
+    def _act(self, context: LaunchContext, name: str) -> None:
         before = context.launch_configurations.get("global_params", {})
+        given = {name: parameters.evaluated(context, self.value)}
         context.launch_configurations["global_params"] = {**before, **given}
-        return None
 
 
-class SetRemap(Action):
+class SetRemap(TextAction):
     """Gives all nodes after it a remapping, to the end of the group."""
 
     def __init__(self, src: SomeSubstitutions, dst: SomeSubstitutions, **options: Any) -> None:
-        super().__init__(**options)
-        self.src = normalize(src)
-        self.dst = normalize(dst)
+        super().__init__({"src": src, "dst": dst}, **options)
 
-    def execute(self, context: LaunchContext) -> Entities:
-        pair = (perform(context, self.src), perform(context, self.dst))
-        context.launch_configurations["ros_remaps"] = [*context.launch_configurations.get("ros_remaps", ()), pair]
-        return None
+    def _act(self, context: LaunchContext, src: str, dst: str) -> None:
+        before = context.launch_configurations.get("ros_remaps", ())
+        context.launch_configurations["ros_remaps"] = [*before, (src, dst)]
 
 
 class Node(ExecuteProcess):
@@ -139,6 +132,7 @@ class Node(ExecuteProcess):
         self.node_name = NO_NAME
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Work out its names, parameters and remappings, and start it."""
         base_name, namespace = self._names(context)
         is_known = base_name is not None and namespace is not None
         self.node_name = f"{(namespace or '<node_namespace_unspecified>').rstrip('/')}/{base_name or NO_NAME}"

@@ -9,6 +9,7 @@ import socket
 import sys
 import time
 from collections.abc import Iterable, Mapping
+from functools import partialmethod
 from pathlib import Path
 from typing import IO, Any
 
@@ -117,22 +118,11 @@ class Logger:
         screen(line)
         files.write("launch.log", f"{time.time():.7f} {line}")
 
-    def debug(self, message: object, *values: Any) -> None:
-        self.log("DEBUG", message, *values)
-
-    def info(self, message: object, *values: Any) -> None:
-        self.log("INFO", message, *values)
-
-    def warning(self, message: object, *values: Any) -> None:
-        self.log("WARNING", message, *values)
-
-    warn = warning
-
-    def error(self, message: object, *values: Any) -> None:
-        self.log("ERROR", message, *values)
-
-    def critical(self, message: object, *values: Any) -> None:
-        self.log("CRITICAL", message, *values)
+    debug = partialmethod(log, "DEBUG")
+    info = partialmethod(log, "INFO")
+    warn = warning = partialmethod(log, "WARNING")
+    error = partialmethod(log, "ERROR")
+    critical = partialmethod(log, "CRITICAL")
 
 
 def get_logger(name: str | None = None) -> Logger:

@@ -6,14 +6,7 @@ import os
 import shutil
 from typing import TYPE_CHECKING
 
-from course_kit.launching.substitutions import (
-    SomeSubstitutions,
-    Substitution,
-    SubstitutionFailure,
-    described,
-    normalize,
-    perform,
-)
+from course_kit.launching.substitutions import Composed, SomeSubstitutions, SubstitutionFailure
 from course_kit.programs import packages
 
 if TYPE_CHECKING:
@@ -35,17 +28,16 @@ def package_prefix(name: str) -> str:
         raise PackageNotFoundError(name) from None
 
 
-class FindPackage(Substitution):
+class FindPackage(Composed):
     """A folder of a package."""
 
+    shown = "{type}(pkg={package})"
+
     def __init__(self, package: SomeSubstitutions) -> None:
-        self.package = normalize(package)
+        super().__init__(package=package)
 
-    def describe(self) -> str:
-        return f"{type(self).__name__}(pkg={described(self.package)})"
-
-    def perform(self, context: LaunchContext) -> str:
-        return self.find(perform(context, self.package))
+    def _text(self, context: LaunchContext, package: str) -> str:
+        return self.find(package)
 
     def find(self, package: str) -> str:
         """The folder of the package of that name."""
@@ -56,6 +48,7 @@ class FindPackagePrefix(FindPackage):
     """The prefix of a package."""
 
     def find(self, package: str) -> str:
+        """The prefix of the package of that name."""
         return package_prefix(package)
 
 
@@ -63,21 +56,19 @@ class FindPackageShare(FindPackage):
     """The share directory of a package."""
 
     def find(self, package: str) -> str:
+        """The share directory of the package of that name."""
         return os.path.join(package_prefix(package), "share", package)
 
 
-class ExecutableInPackage(Substitution):
+class ExecutableInPackage(Composed):
     """The path of an executable of a package."""
 
+    shown = "ExecInPkg(pkg={package}, exec={executable})"
+
     def __init__(self, executable: SomeSubstitutions, package: SomeSubstitutions) -> None:
-        self.executable = normalize(executable)
-        self.package = normalize(package)
+        super().__init__(executable=executable, package=package)
 
-    def describe(self) -> str:
-        return f"ExecInPkg(pkg={described(self.package)}, exec={described(self.executable)})"
-
-    def perform(self, context: LaunchContext) -> str:
-        executable, package = perform(context, self.executable), perform(context, self.package)
+    def _text(self, context: LaunchContext, executable: str, package: str) -> str:
         prefix = package_prefix(package)
         folder = os.path.join(prefix, "lib", package)
         if not os.path.exists(folder):

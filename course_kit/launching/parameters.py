@@ -7,9 +7,8 @@ import typing
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from course_kit.launching.actions import is_substitution
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.substitutions import SomeSubstitutions, Substitution, normalize, perform
+from course_kit.launching.substitutions import SomeSubstitutions, Substitution, is_substitution, normalize, perform
 from course_kit.launching.uncovered import not_covered
 
 SCALARS = (bool, int, float, str)

@@ -13,13 +13,19 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from course_kit.launching import events, output
-from course_kit.launching.actions import is_substitution
 from course_kit.launching.child import Child
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import Action, Entities, LaunchDescriptionEntity
 from course_kit.launching.event_actions import EmitEvent
 from course_kit.launching.handlers import EventHandler, OnProcessExit, OnShutdown, Response, as_list
-from course_kit.launching.substitutions import LaunchConfiguration, SomeSubstitutions, as_bool, normalize, perform
+from course_kit.launching.substitutions import (
+    LaunchConfiguration,
+    SomeSubstitutions,
+    as_bool,
+    is_substitution,
+    normalize,
+    perform,
+)
 from course_kit.programs import orphans
 
 _numbers = itertools.count(1)
@@ -105,12 +111,15 @@ class ExecuteProcess(Action):
         return "".join(self._cached[source])
 
     def get_sub_entities(self) -> Entities:
+        """What is visited when it exits."""
         return [] if callable(self._on_exit) else as_list(self._on_exit)
 
     def get_asyncio_future(self) -> asyncio.Future[None] | None:
+        """Done when it has ended for good."""
         return self._completed
 
     def execute(self, context: LaunchContext) -> Entities:
+        """Start it, and handle the events that are about it."""
         if self._completed is not None:
             raise RuntimeError(f"ExecuteLocal action '{self.name}': executed more than once: {self.describe()}")
         self._prepare(context)

@@ -87,12 +87,9 @@ class LaunchService:
         for handler in tuple(self.context.handlers):
             if not handler.matches(event):
                 continue
-            self.context.push_locals()
-            try:
+            with self.context.own_locals():
                 for entity in handler.handle(event, self.context):
                     self._futures += visit_all(entity, self.context)
-            finally:
-                self.context.pop_locals()
 
     def _on_shutdown(self, event: events.Event, context: LaunchContext) -> None:
         self._is_shutting_down = True

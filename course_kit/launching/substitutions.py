@@ -53,9 +53,21 @@ def perform(context: LaunchContext, value: SomeSubstitutions) -> str:
     return "".join(context.perform_substitution(part) for part in normalize(value))
 
 
-def described(value: SomeSubstitutions) -> str:
+def described(value: SomeSubstitutions, separator: str = " + ") -> str:
     """How --print shows a text."""
-    return " + ".join(part.describe() for part in normalize(value))
+    return separator.join(part.describe() for part in normalize(value))
+
+
+def is_substitution(value: Any) -> bool:
+    """Whether a value is known only when the launch file runs."""
+    return isinstance(value, Substitution) or (
+        isinstance(value, (list, tuple)) and any(isinstance(part, Substitution) for part in value)
+    )
+
+
+def as_text(value: Any) -> Any:
+    """A value as it is if it can be a text of a launch file, else as Python prints it."""
+    return value if isinstance(value, (str, Substitution, os.PathLike, list, tuple)) else str(value)
 
 
 TRUE, FALSE = ("true", "1"), ("false", "0")
@@ -69,6 +81,28 @@ def as_bool(text: str) -> bool:
     return word in TRUE
 
 
+class Composed(Substitution):
+    """A substitution of texts, which are its attributes: `_text` makes one of them when the launch file runs."""
+
+    shown = "{type}()"  # how --print shows it, with the texts by their names
+
+    def __init__(self, **texts: SomeSubstitutions) -> None:
+        self._texts = {name: normalize(text) for name, text in texts.items()}
+        vars(self).update(self._texts)
+
+    def describe(self) -> str:
+        """How --print and --show-args show it."""
+        texts = {name: described(text) for name, text in self._texts.items()}
+        return self.shown.format(type=type(self).__name__, **texts)
+
+    def perform(self, context: LaunchContext) -> str:
+        """The text."""
+        return self._text(context, *(perform(context, text) for text in self._texts.values()))
+
+    def _text(self, context: LaunchContext, *texts: Any) -> str:
+        raise NotImplementedError
+
+
 class TextSubstitution(Substitution):
     """A fixed text."""
 
@@ -78,27 +112,24 @@ class TextSubstitution(Substitution):
         self.text = text
 
     def describe(self) -> str:
+        """The text in quotes."""
         return f"'{self.text}'"
 
     def perform(self, context: LaunchContext) -> str:
+        """The text."""
         return self.text
 
 
-class LaunchConfiguration(Substitution):
+class LaunchConfiguration(Composed):
     """The value of a launch argument."""
 
+    shown = "LaunchConfig({variable_name})"
+
     def __init__(self, variable_name: SomeSubstitutions, *, default: Any = None) -> None:
-        self.variable_name = normalize(variable_name)
-        if default is None or isinstance(default, (str, Substitution, os.PathLike, list, tuple)):
-            self.default = default
-        else:
-            self.default = str(default)
+        super().__init__(variable_name=variable_name)
+        self.default = None if default is None else as_text(default)
 
-    def describe(self) -> str:
-        return f"LaunchConfig({described(self.variable_name)})"
-
-    def perform(self, context: LaunchContext) -> str:
-        name = perform(context, self.variable_name)
+    def _text(self, context: LaunchContext, name: str) -> str:
         if name in context.launch_configurations:
             return str(context.launch_configurations[name])
         if self.default is None:
@@ -106,18 +137,16 @@ class LaunchConfiguration(Substitution):
         return perform(context, self.default)
 
 
-class EnvironmentVariable(Substitution):
+class EnvironmentVariable(Composed):
     """The value of an environment variable."""
 
+    shown = "EnvVar({name})"
+
     def __init__(self, name: SomeSubstitutions, *, default_value: SomeSubstitutions | None = None) -> None:
-        self.name = normalize(name)
+        super().__init__(name=name)
         self.default_value = default_value
 
-    def describe(self) -> str:
-        return f"EnvVar({described(self.name)})"
-
-    def perform(self, context: LaunchContext) -> str:
-        name = perform(context, self.name)
+    def _text(self, context: LaunchContext, name: str) -> str:
         if name in context.environment:
             return context.environment[name]
         if self.default_value is None:
@@ -133,37 +162,33 @@ class LocalSubstitution(Substitution):
         self.description = description
 
     def describe(self) -> str:
+        """Its description or expression."""
         return f"LocalVar('{self.description or self.expression}')"
 
     def perform(self, context: LaunchContext) -> str:
+        """The value."""
         return str(eval(f"context.locals.{self.expression}", {}, {"context": context}))
 
 
-class ThisLaunchFile(Substitution):
+class ThisLaunchFile(Composed):
     """The path of the launch file."""
 
-    def describe(self) -> str:
-        return "ThisLaunchFile()"
+    _local = "current_launch_file_path"
 
-    def perform(self, context: LaunchContext) -> str:
-        return _local(context, "current_launch_file_path")
+    def __init__(self) -> None:
+        super().__init__()
+
+    def _text(self, context: LaunchContext) -> str:
+        values = context.get_locals_as_dict()
+        if self._local not in values:
+            raise SubstitutionFailure("ThisLaunchFileDir used outside of a launch file (in a script)")
+        return str(values[self._local])
 
 
-class ThisLaunchFileDir(Substitution):
+class ThisLaunchFileDir(ThisLaunchFile):
     """The folder of the launch file."""
 
-    def describe(self) -> str:
-        return "ThisLaunchFileDir()"
-
-    def perform(self, context: LaunchContext) -> str:
-        return _local(context, "current_launch_file_directory")
-
-
-def _local(context: LaunchContext, name: str) -> str:
-    values = context.get_locals_as_dict()
-    if name not in values:
-        raise SubstitutionFailure("ThisLaunchFileDir used outside of a launch file (in a script)")
-    return str(values[name])
+    _local = "current_launch_file_directory"
 
 
 class PathJoinSubstitution(Substitution):
@@ -173,10 +198,11 @@ class PathJoinSubstitution(Substitution):
         self.substitutions = [normalize(part) for part in substitutions]
 
     def describe(self) -> str:
-        parts = " + ".join(described(part) for part in self.substitutions)
-        return f"LocalVar('{parts}')"  # as the real one has it
+        """The parts, as the real one has them."""
+        return f"LocalVar('{described(self.substitutions)}')"
 
     def perform(self, context: LaunchContext) -> str:
+        """The path."""
         return os.path.join(*(perform(context, part) for part in self.substitutions))
 
 
@@ -188,10 +214,11 @@ class PythonExpression(Substitution):
         self.python_modules = normalize(python_modules)
 
     def describe(self) -> str:
-        modules = ", ".join(part.describe() for part in self.python_modules)
-        return f"PythonExpr({described(self.expression)}, [{modules}])"
+        """The expression and the modules."""
+        return f"PythonExpr({described(self.expression)}, [{described(self.python_modules, ', ')}])"
 
     def perform(self, context: LaunchContext) -> str:
+        """The value."""
         names: dict[str, Any] = {}
         for part in self.python_modules:
             module = importlib.import_module(context.perform_substitution(part))
@@ -201,19 +228,15 @@ class PythonExpression(Substitution):
         return str(eval(perform(context, self.expression), {}, names))
 
 
-class Command(Substitution):
+class Command(Composed):
     """What a command prints."""
 
+    shown = "Command({command})"
+
     def __init__(self, command: SomeSubstitutions, *, on_stderr: SomeSubstitutions = "fail") -> None:
-        self.command = normalize(command)
-        self.on_stderr = normalize(on_stderr)
+        super().__init__(command=command, on_stderr=on_stderr)
 
-    def describe(self) -> str:
-        return f"Command({described(self.command)})"
-
-    def perform(self, context: LaunchContext) -> str:
-        line = perform(context, self.command)
-        on_stderr = perform(context, self.on_stderr)
+    def _text(self, context: LaunchContext, line: str, on_stderr: str) -> str:
         if on_stderr not in ("fail", "ignore", "warn", "capture"):
             raise SubstitutionFailure("expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'")
         merged = subprocess.STDOUT if on_stderr == "capture" else subprocess.PIPE
@@ -232,17 +255,15 @@ class Command(Substitution):
         return done.stdout
 
 
-class FindExecutable(Substitution):
+class FindExecutable(Composed):
     """The path of a program on PATH."""
 
+    shown = "FindExec({name})"
+
     def __init__(self, *, name: SomeSubstitutions) -> None:
-        self.name = normalize(name)
+        super().__init__(name=name)
 
-    def describe(self) -> str:
-        return f"FindExec({described(self.name)})"
-
-    def perform(self, context: LaunchContext) -> str:
-        name = perform(context, self.name)
+    def _text(self, context: LaunchContext, name: str) -> str:
         path = shutil.which(name)
         if path is None:
             raise SubstitutionFailure(f"executable '{name}' not found on the PATH")
