@@ -14,7 +14,7 @@ import pytest
 
 from course_kit.programs import packages
 from course_kit.ros2.command import run
-from course_kit.ros2.pkg import create, template
+from course_kit.ros2.pkg import create
 
 WHO = ("--maintainer-name", "Nobody", "--maintainer-email", "nobody@nowhere.com")
 LICENSES = "Apache-2.0\nBSL-1.0\nBSD-2.0\nBSD-2-Clause\nBSD-3-Clause\nGPL-3.0-only\nLGPL-3.0-only\nMIT\nMIT-0\n"
@@ -281,17 +281,19 @@ def test_the_cmake_of_an_interface_package_finds_its_generators_and_the_linters_
 
 def test_every_place_of_every_template_is_filled():
     package = create.Package("a", "cmake", 3, "d", "m", "e", "l", ("x", "y"), "n", "b")
-    files = list(template.FOLDER.rglob("*.template"))
+    files = list(create.TEMPLATES.rglob("*.template"))
     assert len(files) > 5
     for file in files:
-        name = str(file.relative_to(template.FOLDER)).removesuffix(".template")
-        assert "{{" not in template.filled(name, package.values()), name
+        name = str(file.relative_to(create.TEMPLATES)).removesuffix(".template")
+        assert not any(mark in package.filled(name) for mark in ("[[", "{%")), name
 
 
-def test_a_template_chooses_and_repeats_lines():
-    text = "{{if a}}\nis {{a}}\n{{if b}}\nboth\n{{else}}\nnot {{c}}\n{{end}}\n{{else}}\nnone\n{{end}}\n${{{a}}}\n"
-    assert template.fill(text, {"a": "A", "b": "", "c": ("1", "2")}) == "is A\nnot 1\nnot 2\n${A}\n"
-    assert template.fill(text, {"a": None, "b": "", "c": ()}) == "none\n${None}\n"
+def test_the_manifest_is_xml_whatever_the_words_in_it():
+    odd = """<"a" & 'b'>"""
+    package = create.Package("a", "ament_python", 3, odd, odd, odd, odd)
+    root = ElementTree.fromstring(package.filled("package.xml"))
+    assert [root.findtext(tag) for tag in ("description", "maintainer", "license")] == [odd] * 3
+    assert root.find("maintainer").get("email") == odd
 
 
 def test_the_verbs_know_every_installed_package(pkg):

@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
-from course_kit.ros2.pkg.template import LICENSES, Value, filled
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+TEMPLATES = Path(__file__).with_name("templates")
 # Licenses that come with their text, in the order of the real command.
 LICENSE_NAMES = (
     "Apache-2.0",
@@ -43,39 +46,29 @@ class Package:
     node: str | None = None
     library: str | None = None
 
-    @property
-    def buildtools(self) -> tuple[str, ...]:
-        if self.build_type != "ament_cmake":
-            return ()
-        return ("ament_cmake_ros",) if self.library else ("ament_cmake",)
-
-    def values(self) -> dict[str, Value]:
-        """What its templates are filled with."""
-        library = self.library or ""
-        return {
-            "name": self.name,
-            "upper_name": self.name.upper(),
-            "format": str(self.format),
-            "build_type": self.build_type,
-            "buildtools": self.buildtools,
-            "dependencies": self.dependencies,
+    def filled(self, template: str) -> str:
+        """The text of a template file below `templates/`, named without its suffix."""
+        values = {
+            **vars(self),
+            "class": "".join((self.library or "").replace("_", " ").title().split()),
             "test_dependencies": TEST_DEPENDENCIES.get(self.build_type, ()),
-            "node": self.node,
-            "library": self.library,
-            "upper_library": library.upper(),
-            "library_class": "".join(library.replace("_", " ").title().split()),
-            "targets": self.library or self.node,
-            "xml_name": escape(self.name),
-            "xml_description": escape(self.description),
-            "xml_email": quoteattr(self.email)[1:-1],
-            "xml_maintainer": escape(self.maintainer),
-            "xml_license": escape(self.license),
-            "py_name": repr(self.name),
-            "py_description": repr(self.description),
-            "py_email": repr(self.email),
-            "py_maintainer": repr(self.maintainer),
-            "py_license": repr(self.license),
         }
+        return _templates().get_template(f"{template}.template").render(values)
+
+
+@cache
+def _templates() -> Environment:
+    """The templates; values are in [[…]], because CMake has braces of its own."""
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        variable_start_string="[[",
+        variable_end_string="]]",
+        trim_blocks=True,
+        keep_trailing_newline=True,
+        undefined=StrictUndefined,
+    )
+    environment.filters |= {"xml": escape, "attribute": quoteattr, "py": repr}
+    return environment
 
 
 class Step(NamedTuple):
@@ -114,14 +107,13 @@ def description(package: Package, destination: str) -> list[str]:
 
 def steps(package: Package, destination: str) -> Iterator[Step]:
     """Everything that has to be made, in order."""
-    values = package.values()
     root = os.path.join(destination, package.name)
     yield _folder(root)
-    yield _file(os.path.join(root, "package.xml"), filled("package.xml", values))
+    yield _file(os.path.join(root, "package.xml"), package.filled("package.xml"))
     if package.build_type == "ament_python":
-        yield from _python_steps(package, root, values)
+        yield from _python_steps(package, root)
     else:
-        yield from _cmake_steps(package, root, values)
+        yield from _cmake_steps(package, root)
 
 
 def _folder(path: str) -> Step:
@@ -132,40 +124,40 @@ def _file(path: str, content: str) -> Step:
     return Step(f"creating {path}", path, content)
 
 
-def _python_steps(package: Package, root: str, values: dict[str, Value]) -> Iterator[Step]:
+def _python_steps(package: Package, root: str) -> Iterator[Step]:
     source, resource, test = (os.path.join(root, name) for name in (package.name, "resource", "test"))
     yield Step("creating source folder")
     yield _folder(source)
     for name in ("setup.py", "setup.cfg"):
-        yield _file(os.path.join(root, name), filled(f"ament_python/{name}", values))
+        yield _file(os.path.join(root, name), package.filled(f"ament_python/{name}"))
     yield _folder(resource)
     yield _file(os.path.join(resource, package.name), "")
     yield _file(os.path.join(source, "__init__.py"), "")
     yield _folder(test)
     for name in ("test_copyright.py", "test_flake8.py", "test_pep257.py"):
-        yield _file(os.path.join(test, name), filled(f"ament_python/{name}", values))
+        yield _file(os.path.join(test, name), package.filled(f"ament_python/{name}"))
     if package.node:
-        yield _file(os.path.join(source, f"{package.node}.py"), filled("ament_python/node.py", values))
+        yield _file(os.path.join(source, f"{package.node}.py"), package.filled("ament_python/node.py"))
     if package.library:
         yield _folder(os.path.join(source, package.library))
         yield _file(os.path.join(source, package.library, "__init__.py"), "")
 
 
-def _cmake_steps(package: Package, root: str, values: dict[str, Value]) -> Iterator[Step]:
+def _cmake_steps(package: Package, root: str) -> Iterator[Step]:
     source, include = os.path.join(root, "src"), os.path.join(root, "include", package.name)
     yield Step("creating source and include folder")
     yield _folder(source)
     yield _folder(include)
-    yield _file(os.path.join(root, "CMakeLists.txt"), filled(f"{package.build_type}/CMakeLists.txt", values))
+    yield _file(os.path.join(root, "CMakeLists.txt"), package.filled(f"{package.build_type}/CMakeLists.txt"))
     if package.build_type == "cmake":
         for name in ("Config.cmake.in", "ConfigVersion.cmake.in"):
-            yield _file(os.path.join(root, package.name + name), filled(f"cmake/{name}", values))
+            yield _file(os.path.join(root, package.name + name), package.filled(f"cmake/{name}"))
     if package.node:
-        yield _file(os.path.join(source, f"{package.node}.cpp"), filled("cpp/node.cpp", values))
+        yield _file(os.path.join(source, f"{package.node}.cpp"), package.filled("cpp/node.cpp"))
     if package.library:
-        yield _file(os.path.join(include, f"{package.library}.hpp"), filled("cpp/library.hpp", values))
-        yield _file(os.path.join(source, f"{package.library}.cpp"), filled("cpp/library.cpp", values))
-        yield _file(os.path.join(include, "visibility_control.h"), filled("cpp/visibility_control.h", values))
+        yield _file(os.path.join(include, f"{package.library}.hpp"), package.filled("cpp/library.hpp"))
+        yield _file(os.path.join(source, f"{package.library}.cpp"), package.filled("cpp/library.cpp"))
+        yield _file(os.path.join(include, "visibility_control.h"), package.filled("cpp/visibility_control.h"))
 
 
 def license_text(name: str) -> str | None:
@@ -174,7 +166,7 @@ def license_text(name: str) -> str | None:
         return None
     # The LGPL adds permissions to the GPL, and goes with its text.
     names = [name, "GPL-3.0-only"] if name == "LGPL-3.0-only" else [name]
-    return "\n".join((LICENSES / n).read_text(encoding="utf-8") for n in names)
+    return "\n".join((TEMPLATES / "licenses" / n).read_text(encoding="utf-8") for n in names)
 
 
 def license_warning(name: str) -> str:
