@@ -15,7 +15,7 @@ from typing import NoReturn
 
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import CommandError, Verb
+from course_kit.ros2.verbs import CommandError, Verb, add_flag
 
 COMMANDS = {
     "action": "Various action related sub-commands",
@@ -39,10 +39,10 @@ DESCRIPTION = "ros2 is an extensible command-line tool for ROS 2."
 def parser_for(words: Sequence[str]) -> ArgumentParser:
     """The parser of a command line: complete for the command and the verb that it names, a line for each other."""
     parser = ArgumentParser(prog="ros2", description=DESCRIPTION, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument(
+    add_flag(
+        parser,
         "--use-python-default-buffering",
-        action="store_true",
-        help="Do not force line buffering in stdout and instead use the python default buffering, which might be "
+        "Do not force line buffering in stdout and instead use the python default buffering, which might be "
         "affected by PYTHONUNBUFFERED/-u and depends on whatever stdout is interactive or not",
     )
     named = [word for word in words if not word.startswith("-")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from argparse import Namespace
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +62,13 @@ class Session:
             known.keep(node)
         known.wait(discovery.WHOLE_TIMEOUT if self._spin_time is None else self._spin_time)
         return node
+
+    def named(self, noun: str, with_hidden: bool = True) -> Mapping[str, Sequence[str]]:
+        """The names and types of the graph's topics, services or actions, by the noun; no action is hidden."""
+        from course_kit.ros_graph import graph
+
+        node = self.graph()
+        return graph.actions(node) if noun == "action" else getattr(graph, f"{noun}s")(node, with_hidden)
 
     def check_time(self) -> None:
         """Raise DurationOver if --duration has passed."""

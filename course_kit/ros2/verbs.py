@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from argparse import SUPPRESS, ArgumentParser, Namespace
+from argparse import SUPPRESS, ArgumentParser, Namespace, _ActionsContainer
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit.kernel import in_kernel
 
@@ -48,12 +48,21 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     return f"Did you mean {near[0]}?" if near else None
 
 
+def add_flag(parser: _ActionsContainer, names: str, help: str) -> None:
+    """An option without a value; `names` are separated by spaces."""
+    parser.add_argument(*names.split(), action="store_true", help=help)
+
+
+def add_offered(parser: ArgumentParser, name: str, offer: Callable[..., list[str]], help: str, **options: Any) -> None:
+    """An argument for which Tab offers what a completer knows."""
+    argument = parser.add_argument(name, help=help, **options)
+    argument.completer = offer  # type: ignore[attr-defined]
+
+
 def add_strategy_arguments(parser: ArgumentParser) -> None:
     """The options of verbs that read the graph."""
     add_node_arguments(parser)
-    parser.add_argument(
-        "--no-daemon", action="store_true", help="Do not spawn nor use an already running daemon (there is none here)"
-    )
+    add_flag(parser, "--no-daemon", "Do not spawn nor use an already running daemon (there is none here)")
 
 
 def add_node_arguments(parser: ArgumentParser) -> None:
@@ -64,7 +73,7 @@ def add_node_arguments(parser: ArgumentParser) -> None:
         default=None,
         help="Spin time in seconds to wait for discovery (by default until the graph is known)",
     )
-    parser.add_argument("-s", "--use-sim-time", action="store_true", help="Enable ROS simulation time")
+    add_flag(parser, "-s --use-sim-time", "Enable ROS simulation time")
 
 
 def add_duration_argument(parser: ArgumentParser) -> None:

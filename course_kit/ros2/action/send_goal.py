@@ -11,9 +11,9 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2.completion import action_names, type_of_action
+from course_kit.ros2.completion import names_of, type_of
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -24,16 +24,14 @@ STATUSES = {1: "ACCEPTED", 2: "EXECUTING", 3: "CANCELING", 4: "SUCCEEDED", 5: "C
 
 
 def _arguments(parser: ArgumentParser) -> None:
-    argument = parser.add_argument("action_name", help="Name of the ROS action (e.g. '/fibonacci')")
-    argument.completer = action_names  # type: ignore[attr-defined]
-    argument = parser.add_argument(
-        "action_type", help="Type of the ROS action (e.g. 'example_interfaces/action/Fibonacci')"
+    add_offered(parser, "action_name", names_of("action"), "Name of the ROS action (e.g. '/fibonacci')")
+    add_offered(
+        parser, "action_type", type_of("action"), "Type of the ROS action (e.g. 'example_interfaces/action/Fibonacci')"
     )
-    argument.completer = type_of_action  # type: ignore[attr-defined]
     group = parser.add_mutually_exclusive_group()
     group.add_argument("goal", nargs="?", default="{}", help="Goal request values in YAML format (e.g. '{order: 10}')")
-    group.add_argument("--stdin", action="store_true", help="Read goal from standard input")
-    parser.add_argument("-f", "--feedback", action="store_true", help="Echo feedback messages for the goal")
+    add_flag(group, "--stdin", "Read goal from standard input")
+    add_flag(parser, "-f --feedback", "Echo feedback messages for the goal")
 
 
 def _run(args: Namespace, session: Session) -> None:

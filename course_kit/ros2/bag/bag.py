@@ -11,18 +11,17 @@ from course_kit.ros2.bag.play import PLAY
 from course_kit.ros2.bag.record import RECORD
 from course_kit.ros2.bag.text import SORTING
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb
+from course_kit.ros2.verbs import CommandError, Verb, add_flag
 
 
 def _info_arguments(parser: ArgumentParser) -> None:
     add_bag_arguments(parser)
     group = parser.add_mutually_exclusive_group()
-    group.add_argument("-t", "--topic-name", action="store_true", help="Only display topic names.")
-    group.add_argument(
-        "-v",
-        "--verbose",
-        action="store_true",
-        help="Display request/response information for services and print size contribution of topics",
+    add_flag(group, "-t --topic-name", "Only display topic names.")
+    add_flag(
+        group,
+        "-v --verbose",
+        "Display request/response information for services and print size contribution of topics",
     )
     parser.add_argument(
         "--sort",

@@ -18,7 +18,7 @@ from course_kit.ros2.bag.options import (
     refuse_unsupported,
     show,
 )
-from course_kit.ros2.completion import topic_names
+from course_kit.ros2.completion import names_of
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument
 
@@ -67,7 +67,7 @@ def _arguments(parser: ArgumentParser) -> None:
     named = group.add_argument(
         "--topics", default=[], metavar="Topic", nargs="+", help="Space-delimited list of topics to record."
     )
-    positional.completer = named.completer = topic_names  # type: ignore[attr-defined]
+    positional.completer = named.completer = names_of("topic")  # type: ignore[attr-defined]
     add = parser.add_argument
     add(
         "--topic-types",

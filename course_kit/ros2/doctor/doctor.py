@@ -15,7 +15,7 @@ from course_kit.programs import packages
 from course_kit.ros2.doctor import checks, report
 from course_kit.ros2.doctor.checks import Interface, Pair, System, Topic
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import Verb
+from course_kit.ros2.verbs import Verb, add_flag
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -23,17 +23,10 @@ if TYPE_CHECKING:
 
 def _arguments(parser: ArgumentParser) -> None:
     group = parser.add_mutually_exclusive_group()
-    group.add_argument("--report", "-r", action="store_true", help="Print all reports.")
-    group.add_argument("--report-failed", "-rf", action="store_true", help="Print reports of failed checks only.")
-    parser.add_argument(
-        "--exclude-packages", "-ep", action="store_true", help="Exclude package checks or report, default is False"
-    )
-    parser.add_argument(
-        "--include-warnings",
-        "-iw",
-        action="store_true",
-        help="Include warnings as failed checks. Warnings are ignored by default.",
-    )
+    add_flag(group, "--report -r", "Print all reports.")
+    add_flag(group, "--report-failed -rf", "Print reports of failed checks only.")
+    add_flag(parser, "--exclude-packages -ep", "Exclude package checks or report, default is False")
+    add_flag(parser, "--include-warnings -iw", "Include warnings as failed checks. Warnings are ignored by default.")
 
 
 def _doctor(args: Namespace, session: Session) -> None:

@@ -10,10 +10,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from course_kit.programs import packages
+from course_kit.ros2.completion import offering
 from course_kit.ros2.interface import text
 from course_kit.ros2.interface.text import KINDS
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
 
 INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")
 HEADINGS = {"msg": "Messages:", "srv": "Services:", "action": "Actions:"}
@@ -80,12 +81,8 @@ def _looked_up(look: Callable[[], Any], name: str) -> Any:
         raise CommandError(str(error), f"Did you mean {near}?" if near else None) from None
 
 
-def _offer_types(prefix: str, **_: Any) -> list[str]:
-    return [name for name in types() if name.startswith(prefix)]
-
-
-def _offer_packages(prefix: str, **_: Any) -> list[str]:
-    return [name for name in installed() if name.startswith(prefix)]
+_offer_types = offering(lambda args: types())
+_offer_packages = offering(lambda args: installed())
 
 
 def _kind_arguments(parser: ArgumentParser, words: str) -> None:
@@ -109,8 +106,7 @@ def _list(args: Namespace, session: Session) -> None:
 
 def _package_arguments(parser: ArgumentParser) -> None:
     _list_arguments(parser)
-    argument = parser.add_argument("package_name", help="Name of the ROS package (e.g. 'example_interfaces')")
-    argument.completer = _offer_packages  # type: ignore[attr-defined]
+    add_offered(parser, "package_name", _offer_packages, "Name of the ROS package (e.g. 'example_interfaces')")
 
 
 def _package(args: Namespace, session: Session) -> None:
@@ -151,19 +147,16 @@ class _FromStdin(argparse.Action):
 
 def _show_arguments(parser: ArgumentParser) -> None:
     comments = parser.add_mutually_exclusive_group()
-    comments.add_argument(
-        "--all-comments",
-        action="store_true",
-        help="Show all comments, including for nested interface definitions",
-    )
-    comments.add_argument("--no-comments", action="store_true", help="Show no comments or whitespace")
-    argument = parser.add_argument(
+    add_flag(comments, "--all-comments", "Show all comments, including for nested interface definitions")
+    add_flag(comments, "--no-comments", "Show no comments or whitespace")
+    add_offered(
+        parser,
         "type",
-        action=_FromStdin,
-        help="Show an interface definition (e.g. 'example_interfaces/msg/String'). Passing '-' reads the argument "
+        _offer_types,
+        "Show an interface definition (e.g. 'example_interfaces/msg/String'). Passing '-' reads the argument "
         "from stdin (e.g. 'ros2 topic type /chatter | ros2 interface show -').",
+        action=_FromStdin,
     )
-    argument.completer = _offer_types  # type: ignore[attr-defined]
 
 
 def _show(args: Namespace, session: Session) -> None:
@@ -180,9 +173,8 @@ def _show(args: Namespace, session: Session) -> None:
 
 
 def _proto_arguments(parser: ArgumentParser) -> None:
-    argument = parser.add_argument("type", help="Show an interface definition (e.g. 'example_interfaces/msg/String')")
-    argument.completer = _offer_types  # type: ignore[attr-defined]
-    parser.add_argument("--no-quotes", action="store_true", help="if true output has no outer quotes.")
+    add_offered(parser, "type", _offer_types, "Show an interface definition (e.g. 'example_interfaces/msg/String')")
+    add_flag(parser, "--no-quotes", "if true output has no outer quotes.")
 
 
 def _proto(args: Namespace, session: Session) -> None:

@@ -13,7 +13,7 @@ from course_kit.launching import stand_ins
 from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_flag, add_offered, did_you_mean
 
 if TYPE_CHECKING:
     from course_kit.launching.entities import LaunchDescription
@@ -29,36 +29,16 @@ def _arguments(parser: ArgumentParser) -> None:
         action="store_true",
         help="Run the launch system non-interactively, with no terminal associated",
     )
-    parser.add_argument(
-        "-d",
-        "--debug",
-        default=False,
-        action="store_true",
-        help="Put the launch system in debug mode, provides more verbose output.",
-    )
+    add_flag(parser, "-d --debug", "Put the launch system in debug mode, provides more verbose output.")
     what = parser.add_mutually_exclusive_group()
-    what.add_argument(
-        "-p",
-        "--print",
-        "--print-description",
-        default=False,
-        action="store_true",
-        help="Print the launch description to the console without launching it.",
+    add_flag(
+        what, "-p --print --print-description", "Print the launch description to the console without launching it."
     )
-    what.add_argument(
-        "-s",
-        "--show-args",
-        "--show-arguments",
-        default=False,
-        action="store_true",
-        help="Show arguments that may be given to the launch file.",
-    )
-    parser.add_argument(
-        "-a",
-        "--show-all-subprocesses-output",
-        default=False,
-        action="store_true",
-        help="Show all launched subprocesses' output by overriding their output configuration using the "
+    add_flag(what, "-s --show-args --show-arguments", "Show arguments that may be given to the launch file.")
+    add_flag(
+        parser,
+        "-a --show-all-subprocesses-output",
+        "Show all launched subprocesses' output by overriding their output configuration using the "
         "OVERRIDE_LAUNCH_PROCESS_OUTPUT envvar.",
     )
     parser.add_argument(
@@ -72,10 +52,10 @@ def _arguments(parser: ArgumentParser) -> None:
         "executable name.",
     )
     add_duration_argument(parser)
-    package = parser.add_argument("package_name", help="Name of the ROS package which contains the launch file")
-    package.completer = _offer_packages_and_files  # type: ignore[attr-defined]
-    name = parser.add_argument("launch_file_name", nargs="?", help="Name of the launch file")
-    name.completer = _offer_launch_files  # type: ignore[attr-defined]
+    add_offered(
+        parser, "package_name", _offer_packages_and_files, "Name of the ROS package which contains the launch file"
+    )
+    add_offered(parser, "launch_file_name", _offer_launch_files, "Name of the launch file", nargs="?")
     parser.add_argument(
         "launch_arguments",
         nargs="*",

@@ -33,9 +33,9 @@ def interface_class(name: str, kind: str) -> Any:
 
 
 def _suggestion(name: str, kind: str) -> str | None:
-    from course_kit.ros2.completion import action_types, message_types, service_types
+    from course_kit.ros2.interface.interface import types
 
-    return did_you_mean(name, {"msg": message_types, "srv": service_types, "action": action_types}[kind]())
+    return did_you_mean(name, types([kind]))
 
 
 def checked_name(name: str, noun: str) -> str:

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 
 from course_kit.ros2.completion import node_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_strategy_arguments, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, add_strategy_arguments, did_you_mean
 
 
 def _list_arguments(parser: ArgumentParser) -> None:
     add_strategy_arguments(parser)
-    parser.add_argument("-a", "--all", action="store_true", help="Display all nodes even hidden ones")
-    parser.add_argument("-c", "--count-nodes", action="store_true", help="Only display the number of nodes discovered")
+    add_flag(parser, "-a --all", "Display all nodes even hidden ones")
+    add_flag(parser, "-c --count-nodes", "Only display the number of nodes discovered")
 
 
 def _list(args: Namespace, session: Session) -> None:
@@ -34,11 +34,8 @@ def _list(args: Namespace, session: Session) -> None:
 
 def _info_arguments(parser: ArgumentParser) -> None:
     add_strategy_arguments(parser)
-    argument = parser.add_argument("node_name", help="Node name to request information")
-    argument.completer = node_names  # type: ignore[attr-defined]
-    parser.add_argument(
-        "--include-hidden", action="store_true", help="Display hidden topics, services, and actions as well"
-    )
+    add_offered(parser, "node_name", node_names, "Node name to request information")
+    add_flag(parser, "--include-hidden", "Display hidden topics, services, and actions as well")
 
 
 def block(heading: str, named: Mapping[str, Sequence[str]]) -> str:

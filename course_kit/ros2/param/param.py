@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.completion import node_names, parameter_names
 from course_kit.ros2.param import services
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_strategy_arguments, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, add_strategy_arguments, did_you_mean
 
 if TYPE_CHECKING:
     from course_kit.ros_graph.graph import NodeName
@@ -30,15 +30,13 @@ LABELS = {
 
 def _node_arguments(parser: ArgumentParser, nargs: str | None = None) -> None:
     add_strategy_arguments(parser)
-    argument = parser.add_argument("node_name", nargs=nargs, help="Name of the ROS node")
-    argument.completer = node_names  # type: ignore[attr-defined]
-    parser.add_argument("--include-hidden-nodes", action="store_true", help="Consider hidden nodes as well")
+    add_offered(parser, "node_name", node_names, "Name of the ROS node", nargs=nargs)
+    add_flag(parser, "--include-hidden-nodes", "Consider hidden nodes as well")
 
 
 def _parameter_argument(parser: ArgumentParser, name: str = "parameter_name", nargs: str | None = None) -> None:
     plural = "Names of the parameters" if nargs else "Name of the parameter"
-    argument = parser.add_argument(name, nargs=nargs, help=plural)
-    argument.completer = parameter_names  # type: ignore[attr-defined]
+    add_offered(parser, name, parameter_names, plural, nargs=nargs)
 
 
 def _nodes(args: Namespace, session: Session) -> list[NodeName]:
@@ -71,7 +69,7 @@ def _list_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--param-prefixes", nargs="+", default=[], help="Only list parameters with the provided prefixes"
     )
-    parser.add_argument("--param-type", action="store_true", help="Print parameter types with parameter names")
+    add_flag(parser, "--param-type", "Print parameter types with parameter names")
     parser.add_argument("--filter", help="Only list parameters matching the provided regex")
 
 
@@ -108,7 +106,7 @@ def _types(session: Session, node_name: str, names: list[str]) -> dict[str, str]
 def _get_arguments(parser: ArgumentParser) -> None:
     _node_arguments(parser)
     _parameter_argument(parser)
-    parser.add_argument("--hide-type", action="store_true", help="Hide the type information")
+    add_flag(parser, "--hide-type", "Hide the type information")
 
 
 def _get(args: Namespace, session: Session) -> None:
@@ -210,11 +208,7 @@ def nested(parameters: Mapping[str, Any]) -> dict[str, Any]:
 def _load_arguments(parser: ArgumentParser) -> None:
     _node_arguments(parser)
     parser.add_argument("parameter_file", help="Parameter file")
-    parser.add_argument(
-        "--no-use-wildcard",
-        action="store_true",
-        help="Do not load parameters in the '/**' namespace into the node",
-    )
+    add_flag(parser, "--no-use-wildcard", "Do not load parameters in the '/**' namespace into the node")
 
 
 def _load(args: Namespace, session: Session) -> None:

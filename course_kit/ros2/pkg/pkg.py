@@ -8,19 +8,15 @@ from collections.abc import Callable
 from typing import Any
 
 from course_kit.programs import packages
+from course_kit.ros2.completion import package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
 
 NOT_FOUND = "Package not found"
 
 
-def _offer_packages(prefix: str, **_: Any) -> list[str]:
-    return [name for name in packages.package_names() if name.startswith(prefix)]
-
-
 def _package_argument(parser: ArgumentParser, nargs: str | None = None) -> None:
-    argument = parser.add_argument("package_name", nargs=nargs, help="The package name")
-    argument.completer = _offer_packages  # type: ignore[attr-defined]
+    add_offered(parser, "package_name", package_names, "The package name", nargs=nargs)
 
 
 def _found(look: Callable[[str], Any], name: str, message: str = NOT_FOUND) -> Any:
@@ -38,7 +34,7 @@ def _list(args: Namespace, session: Session) -> None:
 
 def _prefix_arguments(parser: ArgumentParser) -> None:
     _package_argument(parser)
-    parser.add_argument("--share", action="store_true", help="Show share directory for the package")
+    add_flag(parser, "--share", "Show share directory for the package")
 
 
 def _prefix(args: Namespace, session: Session) -> None:
@@ -48,7 +44,7 @@ def _prefix(args: Namespace, session: Session) -> None:
 
 def _executables_arguments(parser: ArgumentParser) -> None:
     _package_argument(parser, nargs="?")
-    parser.add_argument("--full-path", action="store_true", help="Show full path of each executable")
+    add_flag(parser, "--full-path", "Show full path of each executable")
 
 
 def _executables(args: Namespace, session: Session) -> None:

@@ -6,12 +6,12 @@ import shlex
 import signal
 from argparse import REMAINDER, ArgumentParser, Namespace
 from pathlib import Path
-from typing import Any
 
 from course_kit.programs import packages
 from course_kit.ros2 import children
+from course_kit.ros2.completion import offering, package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_offered, did_you_mean
 
 
 def _arguments(parser: ArgumentParser) -> None:
@@ -21,23 +21,16 @@ def _arguments(parser: ArgumentParser) -> None:
         "contains spaces (e.g. --prefix 'gdb -ex run --args').",
     )
     add_duration_argument(parser)
-    package = parser.add_argument("package_name", help="Name of the ROS package")
-    package.completer = _offer_packages  # type: ignore[attr-defined]
-    name = parser.add_argument("executable_name", help="Name of the executable")
-    name.completer = _offer_executables  # type: ignore[attr-defined]
+    add_offered(parser, "package_name", package_names, "Name of the ROS package")
+    add_offered(parser, "executable_name", offering(_executables), "Name of the executable")
     parser.add_argument("argv", nargs=REMAINDER, help="Pass arbitrary arguments to the executable")
 
 
-def _offer_packages(prefix: str, **_: Any) -> list[str]:
-    return [name for name in packages.package_names() if name.startswith(prefix)]
-
-
-def _offer_executables(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
+def _executables(args: Namespace) -> list[str]:
     try:
-        found = packages.executables(parsed_args.package_name)
+        return [path.name for path in packages.executables(args.package_name)]
     except LookupError:
         return []
-    return [path.name for path in found if path.name.startswith(prefix)]
 
 
 def executable(package: str, name: str) -> Path:

@@ -6,18 +6,18 @@ import time
 from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from course_kit.ros2.completion import service_names, type_of_service
+from course_kit.ros2.completion import names_of, type_of
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
 
 GONE = 2.0  # seconds after which a server that is not there any more will not answer
 
 
 def _arguments(parser: ArgumentParser) -> None:
-    argument = parser.add_argument("service_name", help="Name of the ROS service to call to (e.g. '/add_two_ints')")
-    argument.completer = service_names  # type: ignore[attr-defined]
-    argument = parser.add_argument("service_type", help="Type of the ROS service (e.g. 'std_srvs/srv/Empty')")
-    argument.completer = type_of_service  # type: ignore[attr-defined]
+    add_offered(
+        parser, "service_name", names_of("service"), "Name of the ROS service to call to (e.g. '/add_two_ints')"
+    )
+    add_offered(parser, "service_type", type_of("service"), "Type of the ROS service (e.g. 'std_srvs/srv/Empty')")
     group = parser.add_mutually_exclusive_group()
     group.add_argument(
         "values",
@@ -26,7 +26,7 @@ def _arguments(parser: ArgumentParser) -> None:
         help="Values to fill the service request with in YAML format (e.g. '{a: 1, b: 2}'), otherwise the service "
         "request will be published with default values",
     )
-    group.add_argument("--stdin", action="store_true", help="Read values from standard input")
+    add_flag(group, "--stdin", "Read values from standard input")
     parser.add_argument("-r", "--rate", metavar="N", type=float, help="Repeat the call at a specific rate in Hz")
 
 

@@ -14,10 +14,18 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from course_kit.ros2.completion import topic_names, type_of_topic
+from course_kit.ros2.completion import names_of, type_of
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_strategy_arguments, did_you_mean
+from course_kit.ros2.verbs import (
+    CommandError,
+    Verb,
+    add_duration_argument,
+    add_flag,
+    add_offered,
+    add_strategy_arguments,
+    did_you_mean,
+)
 
 TRUNCATE_LENGTH = 128
 WAITING = 1000  # messages that may wait to be printed
@@ -32,17 +40,15 @@ def unsigned_int(text: str) -> int:
 
 def _arguments(parser: ArgumentParser) -> None:
     add_strategy_arguments(parser)
-    argument = parser.add_argument("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')")
-    argument.completer = topic_names  # type: ignore[attr-defined]
-    argument = parser.add_argument(
-        "message_type", nargs="?", help="Type of the ROS message (e.g. 'std_msgs/msg/String')"
+    add_offered(parser, "topic_name", names_of("topic"), "Name of the ROS topic to listen to (e.g. '/chatter')")
+    add_offered(
+        parser, "message_type", type_of("topic"), "Type of the ROS message (e.g. 'std_msgs/msg/String')", nargs="?"
     )
-    argument.completer = type_of_topic  # type: ignore[attr-defined]
     endpoints.add_qos_arguments(parser, "subscribe", "sensor_data")
-    parser.add_argument(
+    add_flag(
+        parser,
         "--csv",
-        action="store_true",
-        help="Output all recursive fields separated by commas (e.g. for plotting). If --include-message-info is also "
+        "Output all recursive fields separated by commas (e.g. for plotting). If --include-message-info is also "
         "passed, the following fields are prepended: source_timestamp, received_timestamp, "
         "publication_sequence_number, reception_sequence_number.",
     )
@@ -52,11 +58,10 @@ def _arguments(parser: ArgumentParser) -> None:
         "For example, to echo the position field of a nav_msgs/msg/Odometry message: "
         "'ros2 topic echo /odom --field pose.pose.position'",
     )
-    parser.add_argument(
-        "--full-length",
-        "-f",
-        action="store_true",
-        help="Output all elements for arrays, bytes, and string with a length > '--truncate-length', by default they "
+    add_flag(
+        parser,
+        "--full-length -f",
+        "Output all elements for arrays, bytes, and string with a length > '--truncate-length', by default they "
         "are truncated after '--truncate-length' elements with '...''",
     )
     parser.add_argument(
@@ -66,24 +71,22 @@ def _arguments(parser: ArgumentParser) -> None:
         default=TRUNCATE_LENGTH,
         help=f"The length to truncate arrays, bytes, and string to (default: {TRUNCATE_LENGTH})",
     )
-    parser.add_argument("--no-arr", action="store_true", help="Don't print array fields of messages")
-    parser.add_argument("--no-str", action="store_true", help="Don't print string fields of messages")
-    parser.add_argument(
-        "--flow-style", action="store_true", help="Print sequences in brackets (not available with csv format)"
-    )
-    parser.add_argument("--no-lost-messages", action="store_true", help="Don't report when a message is lost")
-    parser.add_argument("--raw", action="store_true", help="Echo the raw binary representation")
+    add_flag(parser, "--no-arr", "Don't print array fields of messages")
+    add_flag(parser, "--no-str", "Don't print string fields of messages")
+    add_flag(parser, "--flow-style", "Print sequences in brackets (not available with csv format)")
+    add_flag(parser, "--no-lost-messages", "Don't report when a message is lost")
+    add_flag(parser, "--raw", "Echo the raw binary representation")
     parser.add_argument(
         "--filter",
         dest="filter_expr",
         help="Python expression to filter messages that are printed. Expression can use Python builtins as well as m "
         "(the message).",
     )
-    parser.add_argument("--once", action="store_true", help="Print the first message received and then exit.")
+    add_flag(parser, "--once", "Print the first message received and then exit.")
     parser.add_argument(
         "--timeout", metavar="N", type=endpoints.positive_float, help="Set a timeout in seconds for waiting"
     )
-    parser.add_argument("--include-message-info", "-i", action="store_true", help="Shows the associated message info.")
+    add_flag(parser, "--include-message-info -i", "Shows the associated message info.")
     add_duration_argument(parser)
 
 

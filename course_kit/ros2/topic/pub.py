@@ -9,10 +9,18 @@ from contextlib import contextmanager
 from queue import SimpleQueue
 from typing import Any
 
-from course_kit.ros2.completion import topic_names, type_of_topic
+from course_kit.ros2.completion import names_of, type_of
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_node_arguments, did_you_mean
+from course_kit.ros2.verbs import (
+    CommandError,
+    Verb,
+    add_duration_argument,
+    add_flag,
+    add_node_arguments,
+    add_offered,
+    did_you_mean,
+)
 
 MATCH_TIME = 0.2  # seconds in which subscriptions that are known are matched, before the user is told of a wait
 REMIND_PERIOD = 1.0  # seconds between two lines while it waits
@@ -26,10 +34,8 @@ def nonnegative_int(text: str) -> int:
 
 
 def _arguments(parser: ArgumentParser) -> None:
-    argument = parser.add_argument("topic_name", help="Name of the ROS topic to publish to (e.g. '/chatter')")
-    argument.completer = topic_names  # type: ignore[attr-defined]
-    argument = parser.add_argument("message_type", help="Type of the ROS message (e.g. 'std_msgs/String')")
-    argument.completer = type_of_topic  # type: ignore[attr-defined]
+    add_offered(parser, "topic_name", names_of("topic"), "Name of the ROS topic to publish to (e.g. '/chatter')")
+    add_offered(parser, "message_type", type_of("topic"), "Type of the ROS message (e.g. 'std_msgs/String')")
     group = parser.add_mutually_exclusive_group()
     group.add_argument(
         "values",
@@ -39,7 +45,7 @@ def _arguments(parser: ArgumentParser) -> None:
         "be published with default values. A time may be 'now' and a std_msgs/Header 'auto', which is one with the "
         "current time.",
     )
-    group.add_argument("--stdin", action="store_true", help="Read values from standard input")
+    add_flag(group, "--stdin", "Read values from standard input")
     parser.add_argument(
         "-r",
         "--rate",
@@ -57,7 +63,7 @@ def _arguments(parser: ArgumentParser) -> None:
         help="Only print every N-th published message (default: 1)",
     )
     group = parser.add_mutually_exclusive_group()
-    group.add_argument("-1", "--once", action="store_true", help="Publish one message and exit")
+    add_flag(group, "-1 --once", "Publish one message and exit")
     group.add_argument(
         "-t", "--times", type=nonnegative_int, default=0, help="Publish this number of times and then exit"
     )

@@ -12,10 +12,10 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2.completion import topic_names
+from course_kit.ros2.completion import names_of
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_node_arguments
+from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_node_arguments, add_offered
 
 if TYPE_CHECKING:
     from course_kit.recordings.measure import Spread
@@ -94,8 +94,7 @@ def _hz_arguments(parser: ArgumentParser) -> None:
         "Print the average receiving rate to screen.\n\nnote:\n  This rate is the one at which messages arrive here, "
         "which the machine's load and the QoS may make differ from the publisher's."
     )
-    argument = parser.add_argument("topic_name", help="Name of the ROS topic to listen to (e.g. '/chatter')")
-    argument.completer = topic_names  # type: ignore[attr-defined]
+    add_offered(parser, "topic_name", names_of("topic"), "Name of the ROS topic to listen to (e.g. '/chatter')")
     parser.add_argument(
         "--window",
         "-w",
@@ -161,8 +160,7 @@ def _hz(args: Namespace, session: Session) -> None:
 
 def _topic_and_window(parser: ArgumentParser, topic: str, window: str, default: int) -> None:
     """The arguments of bw and delay, with what the help says of each."""
-    argument = parser.add_argument("topic", help=topic)
-    argument.completer = topic_names  # type: ignore[attr-defined]
+    add_offered(parser, "topic", names_of("topic"), topic)
     parser.add_argument(
         "--window", "-w", type=_positive_int, default=default, help=f"{window} (default: {default})", metavar="WINDOW"
     )

@@ -5,39 +5,30 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping, Sequence
 
-from course_kit.ros2.completion import message_types, topic_names, topic_types_in_use
-from course_kit.ros2.named import print_found, print_list, print_types
+from course_kit.ros2.named import Named
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic.echo import ECHO
 from course_kit.ros2.topic.pub import PUB
 from course_kit.ros2.topic.rates import BW, DELAY, HZ
-from course_kit.ros2.verbs import CommandError, Verb, add_strategy_arguments, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_strategy_arguments, did_you_mean
 
-
-def add_arguments(parser: ArgumentParser) -> None:
-    parser.add_argument("--include-hidden-topics", action="store_true", help="Consider hidden topics as well")
+TOPICS = Named("topic", "/chatter", "std_msgs/msg/String")
+add_arguments = TOPICS.add_hidden
 
 
 def _list_arguments(parser: ArgumentParser) -> None:
-    add_strategy_arguments(parser)
-    parser.add_argument("-t", "--show-types", action="store_true", help="Additionally show the topic type")
-    parser.add_argument(
-        "-c", "--count-topics", action="store_true", help="Only display the number of topics discovered"
-    )
-    parser.add_argument("--include-hidden-topics", action="store_true", help="Consider hidden topics as well")
-    parser.add_argument("-v", "--verbose", action="store_true", help="List full details about each topic")
+    TOPICS.list_arguments(parser)
+    add_flag(parser, "-v --verbose", "List full details about each topic")
 
 
 def _list(args: Namespace, session: Session) -> None:
-    from course_kit.ros_graph import graph
-
-    node = session.graph()
-    topics = graph.topics(node, args.include_hidden_topics)
-    if args.verbose and topics and not args.count_topics:
-        session.print(counted("Published", "publisher", topics, {t: node.count_publishers(t) for t in topics}))
-        session.print(counted("Subscribed", "subscriber", topics, {t: node.count_subscribers(t) for t in topics}))
-    else:
-        print_list(session, topics, args.count_topics, args.show_types)
+    topics = TOPICS.found(args, session)
+    if not args.verbose or args.count_topics or not topics:
+        TOPICS.show(topics, args, session, args.show_types)
+        return
+    node = session.node
+    session.print(counted("Published", "publisher", topics, {t: node.count_publishers(t) for t in topics}))
+    session.print(counted("Subscribed", "subscriber", topics, {t: node.count_subscribers(t) for t in topics}))
 
 
 def counted(heading: str, noun: str, topics: Mapping[str, Sequence[str]], counts: Mapping[str, int]) -> str:
@@ -51,15 +42,12 @@ def counted(heading: str, noun: str, topics: Mapping[str, Sequence[str]], counts
 
 def _info_arguments(parser: ArgumentParser) -> None:
     add_strategy_arguments(parser)
-    argument = parser.add_argument("topic_name", help="Name of the ROS topic to get info (e.g. '/chatter')")
-    argument.completer = topic_names  # type: ignore[attr-defined]
-    parser.add_argument(
-        "--verbose",
-        "-v",
-        action="store_true",
-        help="Prints detailed information like the node name, node namespace, topic type, topic type hash, GUID, "
-        "and QoS Profile of the publishers and subscribers to this topic",
+    TOPICS.add_name(parser, "get info")
+    details = (
+        "Prints detailed information like the node name, node namespace, topic type, topic type hash, GUID, and QoS "
+        "Profile of the publishers and subscribers to this topic"
     )
+    add_flag(parser, "--verbose -v", details)
 
 
 def _info(args: Namespace, session: Session) -> None:
@@ -81,45 +69,14 @@ def _info(args: Namespace, session: Session) -> None:
         session.print(str(endpoint), end=end)
 
 
-def _type_arguments(parser: ArgumentParser) -> None:
-    add_strategy_arguments(parser)
-    argument = parser.add_argument("topic_name", help="Name of the ROS topic to get type (e.g. '/chatter')")
-    argument.completer = topic_names  # type: ignore[attr-defined]
-
-
-def _type(args: Namespace, session: Session) -> int:
-    from course_kit.ros_graph import graph
-
-    return print_types(session, graph.topics(session.graph(), with_hidden=True).get(args.topic_name, []))
-
-
-def _find_arguments(parser: ArgumentParser) -> None:
-    add_strategy_arguments(parser)
-    argument = parser.add_argument(
-        "topic_type", help="Name of the ROS topic type to filter for (e.g. 'std_msgs/msg/String')"
-    )
-    argument.completer = topic_types_in_use  # type: ignore[attr-defined]
-    parser.add_argument(
-        "-c", "--count-topics", action="store_true", help="Only display the number of topics discovered"
-    )
-    parser.add_argument("--include-hidden-topics", action="store_true", help="Consider hidden topics as well")
-
-
-def _find(args: Namespace, session: Session) -> None:
-    from course_kit.ros_graph import graph
-
-    topics = graph.topics(session.graph(), args.include_hidden_topics)
-    print_found(session, topics, args.topic_type, args.count_topics, message_types())
-
-
 VERBS = {
     "bw": BW,
     "delay": DELAY,
     "echo": ECHO,
-    "find": Verb("Output a list of available topics of a given type", _find, _find_arguments),
+    "find": Verb("Output a list of available topics of a given type", TOPICS.find, TOPICS.find_arguments),
     "hz": HZ,
     "info": Verb("Print information about a topic", _info, _info_arguments),
     "list": Verb("Output a list of available topics", _list, _list_arguments),
     "pub": PUB,
-    "type": Verb("Print a topic's type", _type, _type_arguments),
+    "type": Verb("Print a topic's type", TOPICS.type, TOPICS.type_arguments),
 }
