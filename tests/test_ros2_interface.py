@@ -13,6 +13,7 @@ from rosidl_adapter.parser import parse_message_string  # type: ignore[import-un
 
 from course_kit.ros2.command import run
 from course_kit.ros2.interface import interface, text
+from course_kit.ros2.line_completion import complete
 
 TRANSCRIPTS = Path(__file__).with_name("ros2_transcripts")
 MODES = {(): (True, False), ("--all-comments",): (True, True), ("--no-comments",): (False, False)}
@@ -218,5 +219,6 @@ def test_packages_names_those_that_have_a_kind(lab, capsys):
 
 
 def test_tab_offers_types_and_packages(lab):
-    assert interface._offer_types("lab/m") == ["lab/msg/Broken", "lab/msg/Inner", "lab/msg/OnlyIdl", "lab/msg/Outer"]
-    assert interface._offer_packages("la") == ["lab"]
+    offered = ["lab/msg/Broken", "lab/msg/Inner", "lab/msg/OnlyIdl", "lab/msg/Outer"]
+    assert complete("interface show lab/m") == offered
+    assert complete("interface package la") == ["lab"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Mapping
@@ -78,6 +79,15 @@ def qos_overrides(path: str | None) -> dict[str, QoSProfile]:
         raise CommandError(f"[ERROR] [ros2bag]: '{path}' is no YAML: {reason}") from None
     except (OSError, UnicodeDecodeError, ValueError) as error:
         raise CommandError(f"[ERROR] [ros2bag]: {error}") from None
+
+
+def check_patterns(args: Namespace) -> None:
+    """CommandError if --regex or --exclude-regex is no regular expression."""
+    for pattern in (args.regex, args.exclude_regex):
+        try:
+            re.compile(pattern)
+        except re.error as error:
+            raise CommandError(f"[ERROR] [ros2bag]: '{pattern}' is no regular expression: {error}") from None
 
 
 def add_unsupported(parser: ArgumentParser, options: Mapping[str, Mapping[str, Any]]) -> None:

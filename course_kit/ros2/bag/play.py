@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from functools import partial
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.bag.options import (
     add_bag_arguments,
     add_unsupported,
+    check_patterns,
     qos_overrides,
     readable_file,
     refuse_unsupported,
@@ -212,11 +212,7 @@ def _options(args: Namespace) -> PlayOptions:
             if not separator:
                 raise ValueError(f"'{rule}' is no remapping: write it like '/old_topic:=/new_topic'")
             remap[topics.absolute(old)] = topics.absolute(new)
-        for pattern in (args.regex, args.exclude_regex):
-            try:
-                re.compile(pattern)
-            except re.error as error:
-                raise ValueError(f"'{pattern}' is no regular expression: {error}") from None
+        check_patterns(args)
         return PlayOptions(
             rate=args.rate,
             loop=args.loop,

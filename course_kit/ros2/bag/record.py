@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 import time
 from argparse import ArgumentParser, Namespace
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.bag.options import (
     STORAGES,
     add_unsupported,
+    check_patterns,
     qos_overrides,
     readable_file,
     refuse_unsupported,
@@ -230,11 +230,7 @@ def _selection(args: Namespace, session: Session, folder: str) -> Selection:
             f"Invalid bag splitting size given. Please provide a value greater than {smallest}. "
             f"Specified value of {args.max_bag_size}"
         )
-    for pattern in (args.regex, args.exclude_regex):
-        try:
-            re.compile(pattern)
-        except re.error as error:
-            raise _error(f"'{pattern}' is no regular expression: {error}") from None
+    check_patterns(args)
     try:
         return Selection(
             [topics.absolute(name) for name in names],

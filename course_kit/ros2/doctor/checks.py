@@ -69,6 +69,7 @@ class Pair:
 
     @property
     def is_error(self) -> bool:
+        """Whether nothing can go from one to the other."""
         return self.reason.startswith("ERROR")
 
 
@@ -85,6 +86,7 @@ class System:
 
     @property
     def distribution(self) -> Distribution | None:
+        """What is known of the distribution."""
         return KNOWN.get(self.distro)
 
 

@@ -106,7 +106,12 @@ def _list(args: Namespace, session: Session) -> None:
 
 def _package_arguments(parser: ArgumentParser) -> None:
     _list_arguments(parser)
-    add_offered(parser, "package_name", _offer_packages, "Name of the ROS package (e.g. 'example_interfaces')")
+    add_offered(
+        parser,
+        "package_name",
+        _offer_packages,
+        "Name of the ROS package (e.g. 'example_interfaces')",
+    )
 
 
 def _package(args: Namespace, session: Session) -> None:
@@ -173,7 +178,12 @@ def _show(args: Namespace, session: Session) -> None:
 
 
 def _proto_arguments(parser: ArgumentParser) -> None:
-    add_offered(parser, "type", _offer_types, "Show an interface definition (e.g. 'example_interfaces/msg/String')")
+    add_offered(
+        parser,
+        "type",
+        _offer_types,
+        "Show an interface definition (e.g. 'example_interfaces/msg/String')",
+    )
     add_flag(parser, "--no-quotes", "if true output has no outer quotes.")
 
 

@@ -33,6 +33,7 @@ TICK = 0.02  # seconds without a message after which other things are looked at
 
 
 def unsigned_int(text: str) -> int:
+    """A type of argparse, with the real command's message."""
     if not text.isdigit():
         raise ArgumentTypeError("value must be non-negative integer")
     return int(text)

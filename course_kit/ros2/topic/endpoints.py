@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
@@ -72,18 +73,13 @@ def is_chosen(args: Namespace) -> bool:
 def chosen(args: Namespace) -> QoSProfile:
     """The profile of the command line: the preset, with the policies that are named."""
     from rclpy.duration import Duration
-    from rclpy.qos import (
-        DurabilityPolicy,
-        HistoryPolicy,
-        LivelinessPolicy,
-        QoSPresetProfiles,
-        ReliabilityPolicy,
-    )
+    from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPresetProfiles, ReliabilityPolicy
 
     named = (args.qos_profile, args.qos_history, args.qos_reliability, args.qos_durability, args.qos_liveliness)
     if "unknown" in named:
         raise CommandError("The QoS 'unknown' is one that endpoints are described with, none that can be asked for")
-    profile = _copy(QoSPresetProfiles.get_from_short_key(args.qos_profile))
+    # A profile of one's own: the presets are shared by the whole process, in a notebook with the student's nodes.
+    profile: QoSProfile = copy.copy(QoSPresetProfiles.get_from_short_key(args.qos_profile))
     if args.qos_history:
         profile.history = HistoryPolicy.get_from_short_key(args.qos_history)
     if args.qos_durability:
@@ -99,14 +95,6 @@ def chosen(args: Namespace) -> QoSProfile:
     elif profile.durability == DurabilityPolicy.TRANSIENT_LOCAL and profile.depth == 0:
         profile.depth = 1
     return profile
-
-
-def _copy(profile: QoSProfile) -> QoSProfile:
-    """A profile of one's own: the presets are shared by the whole process, in a notebook with the student's nodes."""
-    from rclpy.qos import QoSProfile
-
-    names = (name.removeprefix("_") for name in QoSProfile.__slots__)
-    return QoSProfile(**{name: getattr(profile, name) for name in names})
 
 
 def mixed_offers(published: Sequence[TopicEndpointInfo]) -> list[str]:

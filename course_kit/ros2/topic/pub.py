@@ -27,6 +27,7 @@ REMIND_PERIOD = 1.0  # seconds between two lines while it waits
 
 
 def nonnegative_int(text: str) -> int:
+    """A type of argparse, whose message names the function."""
     value = int(text)
     if value < 0:
         raise ValueError

@@ -10,6 +10,7 @@ import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections import deque
 from collections.abc import Callable
+from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.completion import names_of
@@ -142,9 +143,8 @@ def _hz(args: Namespace, session: Session) -> None:
                 return
         append(info["received_timestamp"], len(data))
 
-    subscription = _subscribe(session, args.topic_name, receive)
-    try:
-        last = 0
+    last = 0
+    with closing(_subscribe(session, args.topic_name, receive)) as subscription:
         while True:
             session.sleep(PERIOD)
             if failures:
@@ -154,8 +154,6 @@ def _hz(args: Namespace, session: Session) -> None:
                 reading = measure(receive_ns, sizes, count)
                 session.print(hz_text(reading.rate, reading.period, reading.window - 1))
                 last = count
-    finally:
-        subscription.close()
 
 
 def _topic_and_window(parser: ArgumentParser, topic: str, window: str, default: int) -> None:
@@ -182,9 +180,8 @@ def _bw(args: Namespace, session: Session) -> None:
 
     window = ArrivalWindow(max(args.window, 2))
     append = window.appender()
-    subscription = _subscribe(session, args.topic, lambda data, info: append(info["received_timestamp"], len(data)))
-    session.print(f"Subscribed to [{args.topic}]")
-    try:
+    with closing(_subscribe(session, args.topic, lambda data, info: append(info["received_timestamp"], len(data)))):
+        session.print(f"Subscribed to [{args.topic}]")
         while True:
             session.sleep(PERIOD)
             receive_ns, sizes, _ = window.arrivals()
@@ -194,8 +191,6 @@ def _bw(args: Namespace, session: Session) -> None:
             seconds = (time.time_ns() - int(receive_ns[0])) * 1e-9
             if seconds > 0:
                 session.print(bw_text(float(sizes.sum()) / seconds, spread(sizes), len(sizes)))
-    finally:
-        subscription.close()
 
 
 def _delay_arguments(parser: ArgumentParser) -> None:
@@ -225,8 +220,7 @@ def _delay(args: Namespace, session: Session) -> None:
         delays.append((info["received_timestamp"] - (stamp.sec * 10**9 + stamp.nanosec)) * 1e-9)
         count += 1
 
-    subscription = _subscribe(session, args.topic, receive)
-    try:
+    with closing(_subscribe(session, args.topic, receive)):
         while True:
             session.sleep(PERIOD)
             if count == last:
@@ -236,8 +230,6 @@ def _delay(args: Namespace, session: Session) -> None:
             last = count
             values = list(delays)
             session.print(delay_text(spread(values), len(values)))
-    finally:
-        subscription.close()
 
 
 HZ = Verb("Print the average receiving rate to screen", _hz, _hz_arguments)
