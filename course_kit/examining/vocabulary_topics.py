@@ -61,6 +61,7 @@ def _expect_end(
 
 def expect_compatible_subscription(topic: str, publisher: Publisher, points: int = 0) -> bool:
     """The answer's subscription takes what this publisher offers: they match."""
+    now().wait(lambda: now().stage.subscriptions(topic), settle_timeout())  # a program's come after its node
     matched = now().wait(lambda: publisher.get_subscription_count() > 0, topics.MISMATCH_TIMEOUT)
     asked = [s.qos_profile for s in now().stage.subscriptions(topic)]
     why = "`%ros2 topic info -v` shows both sides."

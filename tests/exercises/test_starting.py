@@ -8,17 +8,31 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from std_msgs.msg import String
 
 from course_kit.examining import vocabulary_workspace
 from course_kit.examining.examination import Ended, Examination
+from course_kit.examining.vocabulary_topics import expect_compatible_subscription, publisher
 from course_kit.examining.vocabulary_workspace import expect_nodes
+from course_kit.exercises import find
 from course_kit.programs.child_process import Process
+from course_kit.watching import topics
 
 NODE = """
 import rclpy
 from rclpy.node import Node
 rclpy.init()
 rclpy.spin(Node("late"))
+"""
+LATE_SUBSCRIPTION = """
+import rclpy, time
+from rclpy.node import Node
+from std_msgs.msg import String
+rclpy.init()
+node = Node("late")
+time.sleep(3.0)
+node.create_subscription(String, "chatter", print, 10)
+rclpy.spin(node)
 """
 LOADS = "import time\nwhile time.process_time() < 3.0: pass\n"
 SLEEPS = "import time\ntime.sleep(20.0)\n"
@@ -50,3 +64,12 @@ def test_a_program_that_does_nothing_is_given_up(started: Callable[[str], Proces
     with pytest.raises(Ended):
         expect_nodes(started(SLEEPS + NODE), "/late")
     assert "There is no /late" in examination.findings[-1].hint
+
+
+def test_a_program_whose_subscription_comes_after_its_node_is_waited_for(
+    started: Callable[[str], Process], examination: Examination, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(topics, "MISMATCH_TIMEOUT", 1.0)
+    examination.exercise = find("workspace-2")
+    expect_nodes(started(LATE_SUBSCRIPTION), "/late")
+    assert expect_compatible_subscription("/chatter", publisher("/chatter", String))
