@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO
 
+from course_kit.polling import wait_until
 from tests.ros2_command import COMMAND, TIMEOUT, Outcome
-from tests.waiting import comes_true
 
 
 class Running:
@@ -78,7 +78,7 @@ class Running:
         self._wait(lambda: (self.out + self.err).count(text) >= count, text)
 
     def _wait(self, is_written: Callable[[], bool], what: str) -> None:
-        comes_true(lambda: is_written() or not any(thread.is_alive() for thread in self._threads), TIMEOUT)
+        wait_until(lambda: is_written() or not any(thread.is_alive() for thread in self._threads), TIMEOUT)
         assert is_written(), f"no {what!r}, status {self.process.poll()}. It wrote:\n{self.out}{self.err}"
 
     def interrupt(self) -> None:

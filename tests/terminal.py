@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from tests.waiting import comes_true
+from course_kit.polling import wait_until
 
 ROOT = Path(__file__).parents[1]
 CTRL_C = b"\x03"
@@ -59,7 +59,7 @@ class Terminal:
 
     def wait_for(self, text: str, count: int = 1) -> None:
         """Read until a text was printed so many times. AssertionError with what was printed if it was not."""
-        comes_true(lambda: self.text.count(text) >= count or self.has_ended, TIMEOUT, self._read)
+        wait_until(lambda: self.text.count(text) >= count or self.has_ended, TIMEOUT, pause=self._read)
         self._read_rest()
         assert self.text.count(text) >= count, f"no {text!r} in {self.text}"
 
@@ -74,7 +74,7 @@ class Terminal:
 
     def end(self) -> int:
         """Read until the program has ended by itself; return its exit status."""
-        assert comes_true(lambda: self.has_ended, TIMEOUT, self._read), f"no end of {self.text}"
+        assert wait_until(lambda: self.has_ended, TIMEOUT, pause=self._read), f"no end of {self.text}"
         self._read_rest()
         return int(self.process.returncode)
 

@@ -264,13 +264,14 @@ import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
 from course_kit.spinning import context
+from course_kit.polling import wait_until
 from course_kit.watching import instruments, topics
 got = []
 subscription = instruments.subscribe('/program', lambda message, info: got.append(message), String)
 talker = Node('talker')
 publisher = talker.create_publisher(String, '/program', 10)
 instruments.node().create_timer(0.001, lambda: rclpy.ok() and publisher.publish(String(data='x')))
-assert topics.wait_until(lambda: len(got) > 20, 20)
+assert wait_until(lambda: len(got) > 20, 20)
 """
 
 
@@ -284,13 +285,13 @@ def test_the_instruments_start_again_after_rclpy_shutdown() -> None:
     program = """
 first, old = instruments.node(), subscription
 rclpy.shutdown()
-assert topics.wait_until(lambda: not old.is_open, 10)
+assert wait_until(lambda: not old.is_open, 10)
 again = []
 subscription = instruments.subscribe('/program', lambda message, info: again.append(message), String)
 assert instruments.node() is not first and subscription.is_open
 publisher = Node('talker').create_publisher(String, '/program', 10)
 publisher.publish(String(data='x'))
-assert topics.wait_until(lambda: again, 10)
+assert wait_until(lambda: again, 10)
 old.close()
 """
     done = subprocess.run([sys.executable, "-c", PROGRAM + program], capture_output=True, text=True, timeout=60)

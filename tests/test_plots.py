@@ -222,7 +222,7 @@ recording = record("/chatter", String)
 talker = Node("talker").create_publisher(String, "/chatter", 10)
 for _ in range(20):
     talker.publish(String(data="x"))
-assert topics.wait_until(lambda: len(recording) == 20, 10)
+assert wait_until(lambda: len(recording) == 20, 10)
 """
 
 
@@ -235,7 +235,7 @@ def test_a_cell_that_ends_in_a_plot_shows_it_once_and_one_that_does_not_shows_no
     kernel = Kernel()
     try:
         kernel.run(
-            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit.watching import topics\n"
+            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit.polling import wait_until\n"
             "from course_kit.recordings.recording import record\nfrom course_kit.recordings.plots import plot_rates"
         )
         assert pictures(kernel, kernel.run(CELL + "plot_rates(recording)")) == ["image/png"]

@@ -300,13 +300,13 @@ import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
 from course_kit.recordings.recording import record
-from course_kit.watching import topics
+from course_kit.polling import wait_until
 recording = record('/program', String)
 publisher = Node('talker').create_publisher(String, '/program', 10)
 publisher.publish(String(data='x'))
-assert topics.wait_until(lambda: len(recording) == 1, 10)
+assert wait_until(lambda: len(recording) == 1, 10)
 rclpy.shutdown()
-assert topics.wait_until(lambda: not recording.is_running, 10)
+assert wait_until(lambda: not recording.is_running, 10)
 assert recording.stop().messages[0].data == 'x'
 again = record('/program', String)
 assert again.is_running

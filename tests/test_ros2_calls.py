@@ -12,10 +12,11 @@ from collections.abc import Iterator
 import pytest
 import rclpy
 
+from course_kit.polling import wait_until
 from course_kit.ros2.command import run
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
-from tests.waiting import comes_true
+from tests.waiting import TIMEOUT
 
 INTERRUPTED = 2
 ADD, TRIGGER = "example_interfaces/srv/AddTwoInts", "std_srvs/srv/Trigger"
@@ -277,7 +278,7 @@ def test_an_interrupt_of_a_cell_cancels_its_goal(capfd):
         return "Goal accepted" in "".join(out)
 
     def interrupt_when_accepted() -> None:
-        comes_true(is_accepted)
+        wait_until(is_accepted, TIMEOUT)
         signal.raise_signal(signal.SIGINT)
 
     thread = threading.Thread(target=interrupt_when_accepted)

@@ -7,18 +7,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from course_kit import polling
+
 TIMEOUT = 20.0  # seconds; discovery on a busy machine has a long tail
 PAUSE = 0.01
-
-
-def comes_true(
-    condition: Callable[[], Any], timeout: float = TIMEOUT, pause: Callable[[float], object] = time.sleep
-) -> Any:
-    """Look at a condition until it is true or the time is over; return its last value. `pause(s)` lets others go on."""
-    deadline = time.monotonic() + timeout
-    while not (value := condition()) and time.monotonic() < deadline:
-        pause(PAUSE)
-    return value
 
 
 def wait_until(
@@ -28,7 +20,7 @@ def wait_until(
     pause: Callable[[float], object] = time.sleep,
 ) -> Any:
     """Wait for a condition to become true and return its value; else fail and name `what`, or the condition's code."""
-    value = comes_true(condition, timeout, pause)
+    value = polling.wait_until(condition, timeout, PAUSE, pause)
     assert value, f"waited {timeout:g} s in vain for {what or _code(condition)}"
     return value
 

@@ -15,9 +15,10 @@ from rclpy.node import Node
 
 from course_kit.background import running
 from course_kit.node_logs.rosout import LEVELS, level_number
+from course_kit.polling import wait_until
 from course_kit.ros_graph import graph
 from course_kit.spinning import executors
-from course_kit.watching import instruments, topics
+from course_kit.watching import instruments
 
 DEFAULT = "INFO"  # where no level was set
 
@@ -79,7 +80,7 @@ def _wait_for_node(node: Node | str, timeout: float) -> str:
     def names() -> list[str]:
         return [one.full_name for one in graph.nodes(instruments.node(), with_hidden=True)]
 
-    if not topics.wait_until(lambda: name in names(), timeout):
+    if not wait_until(lambda: name in names(), timeout):
         there = ", ".join(one for one in names() if not graph.is_hidden(one)) or "none"
         raise ValueError(f"there is no node {name} (waited {timeout:g} s). Nodes: {there}.")
     return name
@@ -89,14 +90,14 @@ def _call(service_type: Any, node: str, service: str, request: Any, timeout: flo
     executors.refuse_in_callback("a logger service")
     client = instruments.node().create_client(service_type, f"{node}/{service}")
     try:
-        if not topics.wait_until(client.service_is_ready, min(timeout, 2.0)):
+        if not wait_until(client.service_is_ready, min(timeout, 2.0)):
             raise RuntimeError(
                 f"{node} has no service {node}/{service}, so its level cannot be changed from outside. Make the node "
                 f"with super().__init__('{node.rsplit('/', 1)[-1]}', enable_logger_service=True), or start it with "
                 f"--ros-args --log-level {_logger(node)}:=debug"
             )
         future = client.call_async(request)
-        if not topics.wait_until(future.done, timeout):
+        if not wait_until(future.done, timeout):
             raise TimeoutError(f"{node} did not answer within {timeout:g} s: is it busy in a callback?")
         return future.result()
     finally:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import inspect
 import textwrap
 import threading
-import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
 from course_kit.background import running
+from course_kit.polling import wait_until
 from course_kit.programs import processes
 from course_kit.spinning import executors
 
@@ -55,16 +55,13 @@ def _wait_for_future(future: FutureLike, timeout: float, what: str | None) -> An
 
 
 def _wait_for_condition(condition: Callable[[], Any], timeout: float, what: str | None) -> Any:
-    deadline = time.monotonic() + timeout
-    while not (value := condition()):
-        if time.monotonic() >= deadline:
-            raise TimeoutError(
-                f"{what or _describe_condition(condition)} did not come true within {timeout:g} s. "
-                f"Is the node that should bring it running? nodes() lists those of this notebook, logs() what they say."
-                f"{_failed_processes()}"
-            )
-        time.sleep(POLL)
-    return value
+    if value := wait_until(condition, timeout, POLL):
+        return value
+    raise TimeoutError(
+        f"{what or _describe_condition(condition)} did not come true within {timeout:g} s. "
+        f"Is the node that should bring it running? nodes() lists those of this notebook, logs() what they say."
+        f"{_failed_processes()}"
+    )
 
 
 def _failed_processes() -> str:

@@ -20,6 +20,7 @@ from typing import Any
 from course_kit.bags.files import BagInfo, BagTopic, info, opened, storage_files
 from course_kit.bags.repair import reindex
 from course_kit.bags.storage import BagError
+from course_kit.polling import wait_until
 from course_kit.watching import topics
 
 __all__ = ["BagError", "BagInfo", "BagRecording", "BagTopic", "info", "play", "read", "record", "reindex"]
@@ -101,7 +102,7 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
     recorder = Recorder(BagWriter(folder, storage), selection)
     try:
         recorder.start()
-        topics.wait_until(lambda: recorder.is_matched, topics.MATCH_TIMEOUT)
+        wait_until(lambda: recorder.is_matched, topics.MATCH_TIMEOUT)
     except BaseException:
         recorder.stop()
         raise
@@ -136,7 +137,7 @@ def play(path: str | os.PathLike[str], *names: str, rate: float = 1.0, tick: Cal
     with opened(path) as bag:
         player = Player(bag, options, lambda line: None)
         try:
-            topics.wait_until(lambda: player.is_matched, topics.MATCH_TIMEOUT)
+            wait_until(lambda: player.is_matched, topics.MATCH_TIMEOUT)
             player.play(tick or (lambda: None))
         finally:
             player.close()

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -18,6 +17,7 @@ import psutil  # type: ignore[import-untyped]
 from jupyter_core.paths import jupyter_runtime_dir
 
 from course_kit.environment.notebook import has_browser
+from course_kit.polling import wait_until
 
 TIMEOUT = 60.0
 PAUSE = 0.1
@@ -26,17 +26,19 @@ PAUSE = 0.1
 def address(process: int, folder: Path, timeout: float = TIMEOUT) -> str | None:
     """The address with its token, or None if the process ended or did not start a server in time."""
     announcement = folder / f"jpserver-{process}.json"
-    begun = time.monotonic()
-    while time.monotonic() < begun + timeout and _runs(process):
-        try:
-            server = json.loads(announcement.read_text())
-        except (OSError, ValueError):  # not written yet, or half of it
-            server = None
-        if server and _listens(process, server["port"]):  # JupyterLab announces itself a moment before
-            token = f"?token={server['token']}" if server["token"] else ""
-            return f"{server['url']}lab{token}"
-        time.sleep(PAUSE)
-    return None
+    wait_until(lambda: _announced(process, announcement) or not _runs(process), timeout, PAUSE)
+    return _announced(process, announcement)
+
+
+def _announced(process: int, announcement: Path) -> str | None:
+    try:
+        server = json.loads(announcement.read_text())
+    except (OSError, ValueError):  # not written yet, or half of it
+        return None
+    if not _listens(process, server["port"]):  # JupyterLab announces itself a moment before
+        return None
+    token = f"?token={server['token']}" if server["token"] else ""
+    return f"{server['url']}lab{token}"
 
 
 def _runs(process: int) -> bool:

@@ -21,6 +21,7 @@ from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 from std_msgs.msg import String
 
+from course_kit.polling import wait_until
 from course_kit.spinning import context
 
 TOPIC = "/environment_check_{}"  # with the process id, so that two checks at once do not hear each other
@@ -38,8 +39,7 @@ def listen(timeout: float) -> dict[str, str | float | None]:
     node.create_subscription(String, topic, received.append, 10)
     started = time.monotonic()
     with _talker(topic):
-        while not received and time.monotonic() < started + timeout:
-            executor.spin_once(timeout_sec=0.1)
+        wait_until(lambda: received, timeout, 0.1, executor.spin_once)
     seconds = round(time.monotonic() - started, 2) if received else None
     return {"rmw": get_rmw_implementation_identifier(), "node": round(started - begun, 2), "message": seconds}
 

@@ -10,6 +10,7 @@ from typing import Any
 from course_kit.examining.exercise import Exercise
 from course_kit.examining.station import Heard, Station
 from course_kit.examining.verdict import Finding
+from course_kit.polling import wait_until
 
 POLL = 0.005
 WORKSPACE = "ros2_ws"  # the chapter's, beside the notebook
@@ -82,14 +83,13 @@ class Examination:
     def wait(self, condition: Callable[[], Any], timeout: float, what: str = "", poll: float = POLL) -> bool:
         """Wait until a condition holds; whether it did. Raises OutOfTime when the exercise's time is over."""
         self.waiting_for = what
-        deadline = time.monotonic() + timeout
-        while not condition():
-            if self.left <= 0:
+
+        def holds() -> bool:
+            if not (value := condition()) and self.left <= 0:
                 raise OutOfTime
-            if time.monotonic() >= deadline:
-                return False
-            time.sleep(poll)
-        return True
+            return bool(value)
+
+        return wait_until(holds, timeout, poll)
 
     # The notebook's side.
 

@@ -7,7 +7,6 @@ so a node whose answer comes to a new client knows all that was made before it.
 
 from __future__ import annotations
 
-import time
 from itertools import chain
 from typing import Any
 
@@ -36,8 +35,8 @@ def introduce(station: Station, service: str, service_type: Any) -> bool:
     """Ask a harmless service until it answers, or MEET_TIMEOUT is over; whether it answered."""
     client = station.hand.create_client(service_type, service)
     answers: list[Any] = []
-    deadline = time.monotonic() + MEET_TIMEOUT
-    while not answers and time.monotonic() < deadline:
+    for _ in range(round(MEET_TIMEOUT / PERIOD)):
         client.call_async(service_type.Request()).add_done_callback(answers.append)
-        now().wait(lambda: answers, PERIOD, f"an answer of {service}")
-    return bool(answers)
+        if now().wait(lambda: answers, PERIOD, f"an answer of {service}"):
+            return True
+    return False

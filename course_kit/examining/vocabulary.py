@@ -67,8 +67,7 @@ def a_turtle(period: float = TICK) -> TurtleSim:
 
 def pause(seconds: float) -> None:
     """Let time pass in which nothing is done."""
-    end = time.monotonic() + seconds
-    now().wait(lambda: time.monotonic() >= end, seconds + 1.0)
+    now().wait(lambda: False, seconds)
 
 
 def wait(condition: Callable[[], Any], timeout: float, what: str = "", poll: float = 0.005) -> bool:
@@ -113,12 +112,14 @@ def read(attribute: str) -> Any:
 
 def wait_for_attribute(attribute: str, condition: Callable[[Any], Any], timeout: float) -> Any:
     """Read an attribute until it fits a condition or the time is over; its last value."""
-    value = read(attribute)
-    deadline = time.monotonic() + timeout
-    while not condition(value) and time.monotonic() < deadline:
-        pause(0.05)
-        value = read(attribute)
-    return value
+    seen: list[Any] = []
+
+    def fits() -> Any:
+        seen[:] = [read(attribute)]
+        return condition(*seen)
+
+    wait(fits, timeout, poll=0.05)
+    return seen[0]
 
 
 def pending_calls() -> int:

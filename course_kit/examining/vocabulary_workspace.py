@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import re
-import time
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from pathlib import Path
@@ -149,10 +148,8 @@ def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     def is_decided() -> bool:
         return not missing() or not process.is_running
 
-    latest = time.monotonic() + LONGEST_START
     now().wait(is_decided, START_TIMEOUT, f"the nodes of `{process.name}`")
-    while not is_decided() and time.monotonic() < latest and _still_begins(process):
-        pass  # it was looked at for a second
+    now().wait(lambda: is_decided() or not _still_begins(process), LONGEST_START - START_TIMEOUT)
     station.known(3.0)
     left, there = missing(), station.their_nodes()
     hint = f"There is no {', '.join(left)}, there is {', '.join(there) or 'no node at all'}. {said(process)}"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import subprocess
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from course_kit.faults import all_faults, health, robots_manual
@@ -14,6 +14,7 @@ from course_kit.faults.fault import PROGRAMS, Fault
 from course_kit.faults.system import System
 from course_kit.faults.told import Told, lines_of
 from course_kit.node_logs import rosout
+from course_kit.polling import wait_until
 from course_kit.programs.child_process import Process
 from course_kit.text import table
 
@@ -113,7 +114,7 @@ def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
     if not _lab.system.is_running:
         return Told(NO_FAULT, False)
     with _station() as station:
-        found = health.look(station, timeout, _wait)
+        found = health.look(station, timeout, partial(wait_until, poll=POLL))
     is_well = all(one.ok for one in found)
     if not is_well:
         head = "Not yet: the robot is not well."
@@ -125,12 +126,6 @@ def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
     if is_well and _lab.fault is not None and not _lab.cause_found:
         lines.append("What was the cause? faults.answer('…')")
     return Told("\n".join(lines), is_well)
-
-
-def _wait(condition: Callable[[], bool], timeout: float) -> None:
-    deadline = time.monotonic() + timeout
-    while not condition() and time.monotonic() < deadline:
-        time.sleep(POLL)
 
 
 @contextlib.contextmanager

@@ -9,11 +9,12 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 
 from course_kit.faults import surroundings
 from course_kit.faults.fault import HEALTHY, PLANNER, PROGRAMS, Fault, Start
+from course_kit.polling import wait_until
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 from course_kit.watching import instruments
@@ -22,7 +23,6 @@ PATIENCE = 1.5  # seconds that a program has to end, after SIGINT and again afte
 READY_TIMEOUT = 20.0
 SAYS_TIMEOUT = 8.0  # seconds for what a program says when it has found, or missed, the others
 DRIVES = "driving"
-POLL = 0.02
 WELL_TERMINALS = ("good", "long lease")  # in which a program that does not get ready is no fault of the lab's
 READY = {
     "simulator": "Spawning turtle",
@@ -57,12 +57,12 @@ class System:
         wanted: dict[str, Start | None] = {**HEALTHY, **(fault.programs if fault else {})}
         stay = [program for program in PROGRAMS if program != PLANNER and self._runs_as(program, wanted[program])]
         self.stop(except_for=stay)
-        _wait_until(lambda: self.ghost_seconds == 0.0, self.ghost_seconds + 1.0)
+        wait_until(lambda: self.ghost_seconds == 0.0, self.ghost_seconds + 1.0)
         for start in fault.extra if fault else ():
             extra = Process(_command(start), start.program, self._environment(start))
             extra.begin()
             self._extra.append(extra)
-            _wait_until(partial(_is_up, extra, start.program))
+            wait_until(partial(_is_up, extra, start.program), READY_TIMEOUT)
         last = wanted.pop(PLANNER)  # it is to find the others there
         self._start_all([one for program, one in wanted.items() if one and program not in stay])
         self._start_all([last] if last else [])
@@ -73,14 +73,14 @@ class System:
     def _wait_for_planner(self, text: str) -> None:
         """Wait until the planner has said something; it says so as late as the fault shows itself."""
         process = self._started[PLANNER][1]
-        _wait_until(lambda: process.says(text) or not process.is_running, SAYS_TIMEOUT)
+        wait_until(lambda: process.says(text) or not process.is_running, SAYS_TIMEOUT)
 
     def _kill(self, program: str) -> None:
         """Kill a program, once this process knows its node: it could not remember it otherwise."""
         node, process = instruments.node(), self._started[program][1]
-        _wait_until(lambda: program in node.get_node_names())
+        wait_until(lambda: program in node.get_node_names(), READY_TIMEOUT)
         process.send_signal(signal.SIGKILL)
-        _wait_until(lambda: not process.is_running)
+        wait_until(lambda: not process.is_running, READY_TIMEOUT)
         self._killed_at = time.monotonic()
 
     def _start_all(self, starts: Sequence[Start]) -> None:
@@ -90,7 +90,7 @@ class System:
             self._started[start.program] = start, process
         for start in starts:
             process = self._started[start.program][1]
-            if not _wait_until(partial(_is_up, process, start.program)):
+            if not wait_until(partial(_is_up, process, start.program), READY_TIMEOUT):
                 raise RuntimeError(f"{start.program} was not ready after {READY_TIMEOUT:g} s. {_last_line(process)}")
             if start.terminal in WELL_TERMINALS and not process.says(READY[start.program]):
                 raise RuntimeError(f"{start.program} {process.state}. {_last_line(process)}")
@@ -161,12 +161,3 @@ def _last_line(process: Process) -> str:
 
 def _is_up(process: Process, program: str) -> bool:
     return process.says(READY[program]) or not process.is_running
-
-
-def _wait_until(condition: Callable[[], bool], timeout: float = READY_TIMEOUT) -> bool:
-    deadline = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() >= deadline:
-            return False
-        time.sleep(POLL)
-    return True

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from course_kit.polling import wait_until
 from course_kit.recordings import fields
 from course_kit.recordings.buffers import Int64s
 from course_kit.recordings.measure import WINDOW, ArrivalWindow, Reading, measure, spread
@@ -200,7 +201,7 @@ def rates(*wanted: Any, seconds: float = 2.0, window: int = WINDOW, timeout: flo
 
 def _published(timeout: float) -> list[str]:
     """The topics that nodes publish, without those every node has."""
-    if not topics.wait_until(published_now, timeout):
+    if not wait_until(published_now, timeout):
         raise TimeoutError(f"no node publishes anything (waited {timeout:g} s): is one running, in this ROS_DOMAIN_ID?")
     return sorted(published_now())
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from course_kit.polling import wait_until
 from course_kit.recordings.buffers import Int64s, MessageBuffer
 from course_kit.recordings.topic_recording import Messages, TopicRecording, table
 from course_kit.watching import instruments, topics
@@ -85,7 +86,7 @@ class Recording:
 
     def _start_with_first_message(self) -> None:
         """Let the time count from now, when all publishers deliver, or have had their time to begin."""
-        topics.wait_until(lambda: all(map(any, map(self._buffer.counts, self.topics))), FIRST_MESSAGE)
+        wait_until(lambda: all(map(any, map(self._buffer.counts, self.topics))), FIRST_MESSAGE)
         firsts = [one.receive_ns[0] for one in self if len(one)]
         self.start_ns = int(min(firsts, default=time.time_ns()))
 

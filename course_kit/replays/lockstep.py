@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import inspect
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -28,6 +27,7 @@ from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 
 from course_kit.bags import qos as bag_qos
+from course_kit.polling import wait_until
 from course_kit.spinning import executors
 from course_kit.watching import topics
 
@@ -148,7 +148,7 @@ class LockStep:
         before = -1
         while before < len(self.logged):
             before = len(self.logged)
-            self._executor.spin_once(timeout_sec=TICK)
+            self._spin(TICK)
         return self.logged
 
     def _timers(self) -> list[Any]:
@@ -178,25 +178,21 @@ class LockStep:
             message_type = topics.message_class(connection.msgtype)
             self._publishers[topic] = self._player.create_publisher(message_type, topic, profile)
         publisher = self._publishers[topic]
-        if publisher.get_subscription_count() < receivers:
-            deadline = time.monotonic() + topics.MISMATCH_TIMEOUT
-            while publisher.get_subscription_count() < receivers:
-                if time.monotonic() > deadline:
-                    raise ValueError(
-                        f"the node does not get {topic} as it was recorded: its subscription's QoS asks for more than "
-                        f"the publisher offered (`ros2 topic info -v` shows both)"
-                    )
-                self._executor.spin_once(timeout_sec=TICK)
+        if not wait_until(lambda: publisher.get_subscription_count() >= receivers, topics.MISMATCH_TIMEOUT, TICK, self._spin):
+            raise ValueError(
+                f"the node does not get {topic} as it was recorded: its subscription's QoS asks for more than "
+                f"the publisher offered (`ros2 topic info -v` shows both)"
+            )
         return publisher
 
     def _until(self, condition: Callable[[], Any], what: str, timeout: float | None = None) -> None:
         """Run callbacks until a condition holds; what one raises comes out here."""
         limit = self._timeout if timeout is None else timeout
-        deadline = time.monotonic() + limit
-        while not condition():
-            if time.monotonic() > deadline:
-                raise TimeoutError(f"{what} did not return within {limit:g} s, in the bag at {self.now * 1e-9:.3f} s")
-            self._executor.spin_once(timeout_sec=TICK)
+        if not wait_until(condition, limit, TICK, self._spin):
+            raise TimeoutError(f"{what} did not return within {limit:g} s, in the bag at {self.now * 1e-9:.3f} s")
+
+    def _spin(self, seconds: float) -> None:
+        self._executor.spin_once(timeout_sec=seconds)
 
     # What the base under the node's class calls.
 

@@ -10,6 +10,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from course_kit.kernel import in_kernel
+from course_kit.polling import wait_until
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -77,17 +78,17 @@ class Session:
 
     def until(self, condition: Callable[[], Any], timeout: float | None = None, poll: float = POLL) -> bool:
         """Wait until a condition is true; False if it is not within `timeout` seconds (None: wait on)."""
-        end = None if timeout is None else time.monotonic() + timeout
-        while not condition():
-            self.check_time()
-            if end is not None and time.monotonic() >= end:
-                return False
-            time.sleep(poll)
-        return True
+
+        def holds() -> bool:
+            if not (value := condition()):
+                self.check_time()
+            return bool(value)
+
+        return wait_until(holds, timeout, poll)
 
     def sleep(self, seconds: float) -> None:
         """Pause, but not beyond --duration."""
-        self.until(lambda: False, timeout=seconds, poll=min(POLL, seconds) or POLL)
+        self.until(lambda: False, timeout=seconds)
 
     def items(self, queue: SimpleQueue[Any], timeout: float | None = None) -> Iterator[Any]:
         """What callbacks put into a queue, as it comes; ends when nothing has come for `timeout` seconds."""

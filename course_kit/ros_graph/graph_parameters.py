@@ -9,9 +9,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RclpyParameter
 from rclpy.parameter import parameter_value_to_python
 
+from course_kit.polling import wait_until
 from course_kit.ros_graph import graph
 from course_kit.ros_graph.graph_data import GraphNode, Parameter, Snapshot
-from course_kit.watching import topics
 
 TIMEOUT = 2.0  # seconds for all nodes to answer
 # Every node has these; QoS overrides are drawn as the QoS itself.
@@ -66,7 +66,7 @@ def _ask(node: Node, service_type: Any, service: str, requests: dict[str, Any], 
         return len(futures) == len(clients) and all(future.done() for future in futures.values())
 
     try:
-        topics.wait_until(all_answered, timeout)
+        wait_until(all_answered, timeout)
         done = {name: future for name, future in list(futures.items()) if future.done()}
         return {name: answer for name, future in done.items() if (answer := future.result()) is not None}
     finally:

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from rclpy.node import Node
 
 from course_kit import bags
+from course_kit.polling import wait_until
 from course_kit.recordings.buffers import Int64s
 from course_kit.recordings.recording import Recording, record
 from course_kit.recordings.topic_recording import TopicRecording
@@ -112,7 +113,7 @@ def _names_with(node: Node, topic: str, timeout: float) -> list[str]:
     def names() -> list[str]:
         return [name for name, _ in node.get_topic_names_and_types()]
 
-    topics.wait_until(lambda: any(f"{topic}/".startswith(f"{name}/") for name in names()), timeout)
+    wait_until(lambda: any(f"{topic}/".startswith(f"{name}/") for name in names()), timeout)
     return names()
 
 

@@ -19,6 +19,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 
+from course_kit.polling import wait_until
 from course_kit.spinning import context, errors
 from course_kit.watching import topics
 from course_kit.watching.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
@@ -86,7 +87,7 @@ def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeo
     published = topics.publishers(running.node, name)
     qos = topics.qos_for(name, published)
     subscription = running.watcher.subscribe(name, message_type, qos, callback)
-    topics.wait_until(lambda: subscription.publisher_count >= len(published), topics.MATCH_TIMEOUT)
+    wait_until(lambda: subscription.publisher_count >= len(published), topics.MATCH_TIMEOUT)
     return subscription
 
 

@@ -6,7 +6,7 @@ import difflib
 import importlib
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from rclpy.exceptions import InvalidTopicNameException
@@ -15,8 +15,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
+from course_kit.polling import wait_until
+
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"  # as rmw has it
-POLL = 0.02  # seconds between two looks at the graph
 MATCH_TIMEOUT = 2.0  # seconds given to publishers and subscriptions that are there already to find each other
 MISMATCH_TIMEOUT = 3.0  # seconds after which those that have not found each other do not fit
 # How many messages the middleware keeps while Python is busy elsewhere; it takes memory only for those that wait.
@@ -187,13 +188,3 @@ def qos_for(topic: str, published: Sequence[TopicEndpointInfo]) -> QoSProfile:
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if keeps else DurabilityPolicy.VOLATILE,
     )
-
-
-def wait_until(condition: Callable[[], Any], timeout: float) -> bool:
-    """Look at `condition` until it is true; return whether it became so within `timeout` seconds."""
-    deadline = time.monotonic() + timeout
-    while not condition():
-        if time.monotonic() >= deadline:
-            return False
-        time.sleep(POLL)
-    return True

@@ -96,8 +96,9 @@ def _played(seconds: float) -> list[float]:
     from std_msgs.msg import String
 
     from course_kit.bags.writer import BagWriter
+    from course_kit.polling import wait_until
     from course_kit.spinning import context
-    from course_kit.watching import instruments, topics
+    from course_kit.watching import instruments
 
     count = int(seconds * PLAY_RATE)
     times: list[int] = []
@@ -113,7 +114,7 @@ def _played(seconds: float) -> list[float]:
         player = _ros2("play", str(writer.folder))
         try:
             player.communicate(timeout=seconds + 60)
-            topics.wait_until(lambda: len(times) == count, 5)
+            wait_until(lambda: len(times) == count, 5)
         finally:
             _end(player)
             subscription.close()

@@ -117,7 +117,7 @@ def _run(args: Namespace, session: Session) -> None:
         _wait_for_subscriptions(session, topic, publisher, wanted, args.max_wait_time_secs)
         session.print("publisher: beginning loop")
         _publish(session, args, publisher, clock, message, times, count, warnings)
-        _pause(session, time.monotonic() + args.keep_alive)
+        session.sleep(args.keep_alive)
         _warn(session, warnings)
 
 
@@ -229,7 +229,7 @@ def _publish(
 
     period, sent, due = 1 / args.rate, 0, time.monotonic()
     while count == 0 or sent < count:
-        _pause(session, due)
+        session.sleep(due - time.monotonic())
         _warn(session, warnings)
         stamp(times, *clock.now().seconds_nanoseconds())
         sent += 1
@@ -242,14 +242,6 @@ def _publish(
 def _warn(session: Session, warnings: SimpleQueue[str]) -> None:
     while not warnings.empty():
         session.warn(warnings.get())
-
-
-def _pause(session: Session, end: float) -> None:
-    """Sleep until a time of the monotonic clock, to the millisecond, but not beyond --duration."""
-    session.check_time()
-    while (left := end - time.monotonic()) > 0:
-        time.sleep(min(left, 0.05))
-        session.check_time()
 
 
 PUB = Verb("Publish a message to a topic", _run, _arguments)
