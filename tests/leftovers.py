@@ -15,7 +15,7 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
-from tests.waiting import comes_true
+from course_kit.polling import wait_until
 
 MARK = "COURSE_KIT_TEST_RUN"
 SERVANTS = ("multiprocessing", "programs/orphans.py")  # end with the process that they serve
@@ -48,7 +48,7 @@ def end_processes() -> list[str]:
     This process and those that it is part of are none of them.
     """
     own = {os.getpid(), *(parent.pid for parent in psutil.Process().parents())}
-    comes_true(lambda: not _processes(own), timeout=5.0)
+    wait_until(lambda: not _processes(own), timeout=5.0)
     killed = []
     for process in _processes(own):
         with contextlib.suppress(psutil.Error):

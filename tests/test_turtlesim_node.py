@@ -40,7 +40,7 @@ from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelative
 
-from course_kit.spinning.executors import destroy
+from course_kit.spinning.nodes import destroy
 from course_kit.turtlesim import TurtleSim
 from tests.waiting import TIMEOUT, wait_until
 

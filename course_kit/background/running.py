@@ -24,7 +24,8 @@ from course_kit.node_logs import rosout
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 from course_kit.spinning import context, errors
-from course_kit.spinning.executors import SpinThread, construct, destroy, executor_for
+from course_kit.spinning.executors import SpinThread
+from course_kit.spinning.nodes import construct, with_base
 
 NodeType = TypeVar("NodeType", bound=Node)
 # Python lets a busy cell keep the interpreter for 5 ms before a callback gets its turn; a tenth of that halves the
@@ -100,11 +101,9 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
     _replace(name, unless=made)
     if name != _constructing.name:
         _announce(name)
-    own = executor_for(made) if executor is None else executor
-    spinning = SpinThread(name, own, lambda error: errors.report(name, error))
+    spinning = SpinThread(made, lambda error: errors.report(name, error), executor)
     with _lock:
         _running[name] = _Running(made, name, made_from, spinning, start)
-    own.add_node(made)
     spinning.start()
     _tell("running", name)
     return made  # type: ignore[return-value]
@@ -151,10 +150,8 @@ def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[st
         if not isinstance(made, Node):
             raise TypeError(f"run() got a callable that returned {type(made).__name__}, not a node")
         return made
-    bases = (_Replacing,) if node is Node else (node, _Replacing)
-    make = type(node.__name__, bases, {"__module__": node.__module__, "__doc__": node.__doc__})
     try:
-        return construct(make, args, kwargs)
+        return construct(with_base(node, _Replacing), args, kwargs)
     except BaseException:
         if _constructing.name:  # it was announced
             _tell("failed", _constructing.name)
@@ -215,14 +212,7 @@ def _select(which: Node | str | type[Node]) -> list[_Running]:
 
 
 def _end(entry: _Running) -> None:
-    """End the thread first, then destroy: a node that is destroyed while it is waited on raises InvalidHandle."""
-    entry.spinning.stop()
-    executor = entry.spinning.executor
-    with contextlib.suppress(Exception):  # a student may have destroyed it, or the whole context
-        executor.remove_node(entry.node)
-    destroy(entry.node)
-    with contextlib.suppress(Exception):
-        executor.shutdown(timeout_sec=0.5)
+    entry.spinning.close()
     _tell("stopped", entry.name)
 
 

@@ -13,8 +13,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rclpy.duration import Duration
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
@@ -23,6 +21,7 @@ from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
 from course_kit.bags.recorder import LogLine
 from course_kit.spinning import context
+from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
 
 NODE = "rosbag2_player"
@@ -101,11 +100,7 @@ class Player:
         self.bag, self.options = bag, options
         self._say = lambda text, level="INFO": say(LogLine(level, NODE, text, time.time_ns()))
         context.start()
-        self.node = Node(
-            NODE,
-            start_parameter_services=False,
-            parameter_overrides=[Parameter("start_type_description_service", value=False)],
-        )
+        self.node = quiet_node(NODE, with_rosout=True)
         has_messages = any(connection.msgcount for connection in bag.connections)
         self._start = (bag.start if has_messages else 0) + int(options.start_offset * 1e9)
         self.clock = BagClock(self._start, options.rate)

@@ -17,8 +17,6 @@ from dataclasses import dataclass, field
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
@@ -27,6 +25,7 @@ from course_kit.bags import types as bag_types
 from course_kit.bags.selection import Selection
 from course_kit.ros_graph import graph
 from course_kit.spinning import context, errors
+from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
 from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 
@@ -81,11 +80,7 @@ class Recorder:
     def start(self) -> None:
         """Subscribe to what is there, and go on in the background."""
         context.start()
-        self.node = Node(
-            self.node_name,
-            start_parameter_services=False,
-            parameter_overrides=[Parameter("start_type_description_service", value=False)],
-        )
+        self.node = quiet_node(self.node_name, with_rosout=True)
         name = self.node.get_fully_qualified_name()
         self._watcher = Watcher(self.node, lambda error: errors.report(name, error))
         context.before_stop(_stop_all)

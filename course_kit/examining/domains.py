@@ -6,13 +6,10 @@ Standard library only.
 from __future__ import annotations
 
 import contextlib
-import os
 import socket
-from collections.abc import Iterator
 
 # Above the domains of users (1 to 100), with ports that Linux does not give to other programs.
 STAGES = range(215, 233)
-RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 _locks: list[socket.socket] = []  # kept open as long as the process lives
 
@@ -30,15 +27,3 @@ def reserve_stage() -> int:
             return domain
         lock.close()
     raise RuntimeError(f"{len(STAGES)} checkers run on this machine already; try again when one of them has ended")
-
-
-@contextlib.contextmanager
-def on_this_machine() -> Iterator[None]:
-    """Contexts that are made inside speak with this machine only, also where the user has opened theirs."""
-    before = {name: os.environ.pop(name, None) for name in (RANGE, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")}
-    os.environ[RANGE] = "LOCALHOST"
-    try:
-        yield
-    finally:
-        del os.environ[RANGE]
-        os.environ.update({name: value for name, value in before.items() if value is not None})

@@ -15,27 +15,20 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import rclpy
 from rclpy.context import Context
-from rclpy.executors import Executor, MultiThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
-from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 
-from course_kit.examining.domains import on_this_machine
 from course_kit.examining.lines import as_json
 from course_kit.spinning import NodeStopped
 from course_kit.spinning import context as ros_context
-from course_kit.spinning.executors import SpinThread, construct, destroy, executor_for
+from course_kit.spinning.executors import SpinThread
+from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, construct, quiet_node, with_base
 
 STOP_TIMEOUT = 0.5
 KEPT_ERRORS = 20
-# rclpy 7.1.6 loses 0.1 MB with every node that has this service.
-WITHOUT_DESCRIPTIONS = [Parameter("start_type_description_service", value=False)]
 PACKAGE = Path(__file__).parents[1]
 THREADS = 4  # of a MultiThreadedExecutor, where an exercise asks for one
-
-_plain_init = rclpy.init
 
 
 class _OnStage(Node):
@@ -59,46 +52,23 @@ class Stage:
     def __init__(self, domain: int) -> None:
         self.domain = domain
         ros_context.start()  # the first context of a process sets its logging up
-        self._context = Context()
-        with on_this_machine():
-            _plain_init(
-                args=ros_context.ARGUMENTS,
-                context=self._context,
-                domain_id=domain,
-                signal_handler_options=SignalHandlerOptions.NO,
-            )
+        self._context = ros_context.separate(domain, "LOCALHOST")
         # Keeps the participant alive between checks, so that discovery need not begin again.
-        self._keeper = Node(
-            "_stage",
-            context=self._context,
-            enable_rosout=False,
-            start_parameter_services=False,
-            parameter_overrides=WITHOUT_DESCRIPTIONS,
-        )
-        self._node: Node | None = None
+        self._keeper = quiet_node("_stage", self._context)
         self._spinning: SpinThread | None = None
         self._errors: list[str] = []
 
     def start(self, node_class: type[Node], arguments: list[Any], threads: bool) -> None:
         """Make a node of the class and spin it; whatever its constructor raises is raised."""
         self.stop()
-        shim = type(
-            node_class.__name__,
-            (node_class, _OnStage),
-            {"__module__": node_class.__module__, "_course_kit_context": self._context},
-        )
-        node = construct(shim, arguments, {})
+        node = construct(with_base(node_class, _OnStage, _course_kit_context=self._context), arguments, {})
         if node.context is not self._context:
             node.destroy_node()
             raise TypeError(f'{node_class.__name__}.__init__ must begin with super().__init__("name of the node")')
-        executor: Executor = (
-            MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else executor_for(node)
-        )
+        executor = MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else None
         name = node.get_fully_qualified_name()
         self._errors.clear()
-        self._node, self._spinning = node, SpinThread(name, executor, lambda error: self._note(name, error))
-        executor.add_node(node)
-        self._spinning.start()
+        self._spinning = SpinThread(node, lambda error: self._note(name, error), executor).start()
 
     def _note(self, name: str, error: Exception) -> None:
         text = f"A callback of {name} raised {described(error)}."
@@ -112,21 +82,15 @@ class Stage:
     @property
     def node(self) -> Node:
         """The student's node. RuntimeError if none is on the stage."""
-        if self._node is None:
+        if self._spinning is None:
             raise RuntimeError("there is no node on the stage")
-        return self._node
+        return self._spinning.node
 
     def stop(self) -> None:
         """Stop and destroy the node."""
-        node, spinning, self._node, self._spinning = self._node, self._spinning, None, None
-        if node is None or spinning is None:
-            return
-        spinning.stop(STOP_TIMEOUT)
-        with contextlib.suppress(Exception):
-            spinning.executor.remove_node(node)
-        destroy(node)
-        with contextlib.suppress(Exception):
-            spinning.executor.shutdown(timeout_sec=0.5)
+        ending, self._spinning = self._spinning, None
+        if ending is not None:
+            ending.close(STOP_TIMEOUT)
 
     def close(self) -> None:
         """Leave the domain."""

@@ -8,26 +8,20 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-import rclpy
-from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from rclpy.signals import SignalHandlerOptions
 
-from course_kit.examining.domains import on_this_machine
 from course_kit.examining.node_log import NodeLog
-from course_kit.examining.stage import WITHOUT_DESCRIPTIONS
 from course_kit.ros_graph import discovery, graph
 from course_kit.spinning import context as ros_context
-from course_kit.spinning.executors import SpinThread, destroy, executor_for
+from course_kit.spinning.executors import SpinThread
+from course_kit.spinning.nodes import quiet_node
 from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 
 DEPTH = 10_000
 LOG_PERIOD = 0.2  # seconds between two looks at what was logged
 KEPT = 20_000  # messages of one subscription
-
-_plain_init = rclpy.init
 
 
 class Heard:
@@ -100,14 +94,7 @@ class Station:
 
     def __init__(self, domain: int | None, only_here: bool) -> None:
         """`domain` None: the student's, from the environment. `only_here`: speak with this machine only."""
-        self.context = Context()
-        with on_this_machine() if only_here else contextlib.nullcontext():
-            _plain_init(
-                args=ros_context.ARGUMENTS,
-                context=self.context,
-                domain_id=domain,
-                signal_handler_options=SignalHandlerOptions.NO,
-            )
+        self.context = ros_context.separate(domain, "LOCALHOST" if only_here else None)
         self.domain: int = self.context.get_domain_id()
         self._made = 0
         self.node = self._plain_node("graph")
@@ -123,11 +110,7 @@ class Station:
         self._graph_thread = self._spin(self.node)
 
     def _spin(self, node: Node) -> SpinThread:
-        executor = executor_for(node)
-        spinning = SpinThread(node.get_name(), executor, self.errors.append)
-        executor.add_node(node)
-        spinning.start()
-        return spinning
+        return SpinThread(node, self.errors.append).start()
 
     # The graph.
 
@@ -195,13 +178,7 @@ class Station:
 
     def _plain_node(self, name: str) -> Node:
         self._made += 1
-        return Node(
-            f"_checker_{os.getpid()}_{name}_{self._made}",
-            context=self.context,
-            enable_rosout=False,
-            start_parameter_services=False,
-            parameter_overrides=WITHOUT_DESCRIPTIONS,
-        )
+        return quiet_node(f"_checker_{os.getpid()}_{name}_{self._made}", self.context)
 
     def node_for(self, prepare: Callable[[Node], Any]) -> Node:
         """A node in a thread of its own that ends with the check; `prepare` gives it what it serves."""
@@ -227,14 +204,7 @@ class Station:
             heard.close()
         self._opened.clear()
         for spinning in reversed(self._spinning):
-            nodes = list(spinning.executor.get_nodes())
-            spinning.stop(1.0)
-            for node in nodes:
-                with contextlib.suppress(Exception):
-                    spinning.executor.remove_node(node)
-                destroy(node)
-            with contextlib.suppress(Exception):
-                spinning.executor.shutdown(timeout_sec=0.5)
+            spinning.close()
         self._spinning.clear()
         self._hand = None
         self.mine.clear()
@@ -248,5 +218,5 @@ class Station:
         if self._node_log is not None:
             self._node_log.close()
         discovery.forget(self.node)
-        destroy(self.node)
+        self._graph_thread.close()
         self.context.try_shutdown()

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from course_kit.examining.examination import now
-from course_kit.examining.stage import WITHOUT_DESCRIPTIONS
+from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS
 from course_kit.turtlesim.node import TurtleSim
 from course_kit.turtlesim.turtle import TICK
 

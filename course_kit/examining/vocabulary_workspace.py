@@ -18,12 +18,12 @@ from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 
 from course_kit.colcon import sourcing
-from course_kit.examining.domains import RANGE
 from course_kit.examining.examination import WORKSPACE, now
 from course_kit.examining.vocabulary import nearest, pause
 from course_kit.examining.vocabulary_services import Client
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
+from course_kit.spinning.context import RANGE
 
 START_TIMEOUT = 15.0  # seconds that programs have until their nodes are there
 LONGEST_START = 45.0  # the same as long as they still begin, on a busy machine

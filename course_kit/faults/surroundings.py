@@ -11,7 +11,8 @@ from pathlib import Path
 
 from course_kit.colcon import sourcing
 from course_kit.environment.activation import PROFILE, PROFILE_VARIABLES, split_paths
-from course_kit.examining.domains import RANGE, reserve_stage
+from course_kit.examining.domains import reserve_stage
+from course_kit.spinning.context import RANGE
 
 ROBOT = Path(__file__).with_name("robot")  # where the package `patrol` is installed, as colcon's install folder
 STOCK_LEASE = 20  # seconds that DDS keeps a participant which says nothing any more, unless it is told otherwise

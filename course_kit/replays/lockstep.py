@@ -29,6 +29,7 @@ from rosgraph_msgs.msg import Clock
 from course_kit.bags import qos as bag_qos
 from course_kit.polling import wait_until
 from course_kit.spinning import executors
+from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, destroy, quiet_node, with_base
 from course_kit.watching import topics
 
 OF_EVERY_NODE = ("/parameter_events", "/rosout", "/clock")
@@ -58,13 +59,7 @@ class LockStep:
         self._publishers: dict[str, Publisher] = {}
         self._executor: Executor = EventsExecutor(context=own)
         self._is_fast = True
-        self._player = Node(
-            "replay",
-            context=own,
-            enable_rosout=False,
-            start_parameter_services=False,
-            parameter_overrides=[Parameter("start_type_description_service", value=False)],
-        )
+        self._player = quiet_node("replay", own)
         latched = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._player.create_subscription(Log, "/rosout", self.logged.append, latched)
         self._clock = self._player.create_publisher(Clock, "/clock", 10)
@@ -76,13 +71,12 @@ class LockStep:
             if node is not None:
                 with contextlib.suppress(Exception):
                     self._executor.remove_node(node)
-                executors.destroy(node)
+                destroy(node)
         self._executor.shutdown(timeout_sec=1.0)
 
     def make(self, node_class: type[Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Node:
         """Make the node, with the bag's clock at its start when its constructor goes on."""
-        made = type(node_class.__name__, (node_class, _base(self)), {"__module__": node_class.__module__})
-        self.node = made(*args, **kwargs)
+        self.node = with_base(node_class, _base(self))(*args, **kwargs)
         self._suit()
         return self.node
 
@@ -178,7 +172,9 @@ class LockStep:
             message_type = topics.message_class(connection.msgtype)
             self._publishers[topic] = self._player.create_publisher(message_type, topic, profile)
         publisher = self._publishers[topic]
-        if not wait_until(lambda: publisher.get_subscription_count() >= receivers, topics.MISMATCH_TIMEOUT, TICK, self._spin):
+        if not wait_until(
+            lambda: publisher.get_subscription_count() >= receivers, topics.MISMATCH_TIMEOUT, TICK, self._spin
+        ):
             raise ValueError(
                 f"the node does not get {topic} as it was recorded: its subscription's QoS asks for more than "
                 f"the publisher offered (`ros2 topic info -v` shows both)"
@@ -255,13 +251,9 @@ def _base(steps: LockStep) -> type[Node]:
 
     class Stepped(Node):
         def __init__(self, node_name: str, *args: Any, **kwargs: Any) -> None:
-            given = list(kwargs.pop("parameter_overrides", None) or [])
+            given = kwargs.pop("parameter_overrides", None) or []
             simulated = Parameter("use_sim_time", value=True)
-            kwargs["parameter_overrides"] = [
-                *given,
-                simulated,
-                Parameter("start_type_description_service", value=False),
-            ]
+            kwargs["parameter_overrides"] = [*given, simulated, *WITHOUT_DESCRIPTIONS]
             kwargs.setdefault("start_parameter_services", False)  # nobody calls them, and each look asks them all
             super().__init__(node_name, *args, **{**kwargs, "context": steps.context})
             steps.begin(self)

@@ -11,7 +11,6 @@ topic here: bags.play() keeps the time and shows that.
 from __future__ import annotations
 
 import os
-import threading
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -22,7 +21,6 @@ from typing import Any
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
 
 from course_kit import bags
 from course_kit.bags.files import OpenBag, opened
@@ -33,10 +31,7 @@ from course_kit.spinning import context
 from course_kit.spinning.executors import refuse_in_callback
 from course_kit.watching import topics
 
-RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 DOMAINS = 100  # 0 to 99: those whose ports every system leaves free
-
-_lock = threading.Lock()
 
 
 def replay(
@@ -119,19 +114,7 @@ def _check_inputs(inputs: dict[str, str], bag: OpenBag, name: str, bag_name: str
 def _own_context() -> Iterator[Context]:
     """A ROS context that speaks with no other process, in a domain that this process does not use otherwise."""
     context.start()  # so that what the notebook's context sets for all, such as where logs go, is set
-    own = Context()
-    domain = (rclpy.get_default_context().get_domain_id() + 1) % DOMAINS
-    with _lock:
-        before = os.environ.get(RANGE)
-        os.environ[RANGE] = "OFF"
-        try:
-            options = SignalHandlerOptions.NO
-            rclpy.init(context=own, domain_id=domain, args=context.ARGUMENTS, signal_handler_options=options)
-        finally:
-            if before is None:
-                del os.environ[RANGE]
-            else:
-                os.environ[RANGE] = before
+    own = context.separate((rclpy.get_default_context().get_domain_id() + 1) % DOMAINS, "OFF")
     try:
         yield own
     finally:

@@ -9,10 +9,15 @@ import threading
 from collections.abc import Callable
 
 import rclpy
+from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
 # Callbacks run outside any cell, so nothing they log may go to a cell's output: logs travel over /rosout alone.
 ARGUMENTS = ["--ros-args", "--disable-external-lib-logs", "--disable-stdout-logs"]
+
+# What says which machines a context speaks with.
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+REACH = (RANGE, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")
 
 _lock = threading.RLock()
 _starts = 0
@@ -42,6 +47,24 @@ def start(args: list[str] | None = None, domain_id: int | None = None) -> int:
             atexit.unregister(stop)
             atexit.register(stop)
         return _starts
+
+
+def separate(domain: int | None, reach: str | None) -> Context:
+    """A context beside that of this process, in a domain; None: that of the environment.
+
+    `reach` is its ROS_AUTOMATIC_DISCOVERY_RANGE, whatever the environment says; None: as the environment says.
+    """
+    made = Context()
+    with _lock:
+        before = {name: os.environ.pop(name, None) for name in (REACH if reach else ())}
+        os.environ.update({RANGE: reach} if reach else {})
+        try:
+            _plain_init(args=ARGUMENTS, context=made, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        finally:
+            for name, value in before.items():
+                os.environ.pop(name, None)
+                os.environ.update({name: value} if value is not None else {})
+    return made
 
 
 def before_stop(closer: Callable[[], None]) -> None:

@@ -7,7 +7,7 @@ import contextvars
 import ctypes
 import inspect
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.action import ActionClient, ActionServer
@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from course_kit.spinning import BlockingWait, NodeStopped
+from course_kit.spinning.nodes import destroy
 
 # EventsExecutor's spin() without a timeout runs no callback at all; with one, however long, it works.
 EVENTS_TIMEOUT = 3600.0
@@ -43,50 +44,33 @@ def minds_groups(node: Node) -> bool:
     return any(inspect.iscoroutinefunction(entity.callback) for entity in entities)
 
 
-def construct(node_class: type[Node], args: Sequence[Any], kwargs: Mapping[str, Any]) -> Node:
-    """Make a node of a class; if its constructor fails, nothing of it stays in the graph.
-
-    A half-made node lives on in the traceback. One of the same name in its context would be mixed up with it: the
-    middleware goes by names, and announces the publishers of the one as the other's.
-    """
-    node = node_class.__new__(node_class, *args, **kwargs)
-    try:
-        node_class.__init__(node, *args, **kwargs)
-    except BaseException:
-        if hasattr(node, "_Node__node"):  # rclpy had got as far as the graph
-            destroy(node)
-        raise
-    return node
-
-
-def destroy(node: Node) -> None:
-    """Destroy a node that no executor spins any more, with its action servers and clients, which rclpy leaves."""
-    try:
-        node.destroy_node()  # first: the student's own may destroy an action server, which goes only once
-    except Exception:  # the student's own fails, or has done it before
-        with contextlib.suppress(Exception):
-            Node.destroy_node(node)
-    for waitable in list(node.waitables):
-        if isinstance(waitable, ActionClient | ActionServer):
-            with contextlib.suppress(Exception):
-                waitable.destroy()
-
-
 class SpinThread:
-    """Spins `executor` until stop(); an exception in a callback goes to `on_error` and the spinning goes on."""
+    """Spins a node until stop(); an exception in a callback goes to `on_error` and the spinning goes on."""
 
-    def __init__(self, name: str, executor: Executor, on_error: Callable[[Exception], None]) -> None:
-        self.executor = executor
+    def __init__(self, node: Node, on_error: Callable[[Exception], None], executor: Executor | None = None) -> None:
+        self.node = node
+        self.executor = executor or executor_for(node)
         self._on_error = on_error
         self._stopping = Future()
         # A copy of the cell's context: what a callback prints appears under the cell that started the node.
-        target = contextvars.copy_context().run
+        target, name = contextvars.copy_context().run, node.get_fully_qualified_name()
         self._thread = threading.Thread(target=target, args=(self._spin,), name=name, daemon=True)
 
-    def start(self) -> None:
-        """Begin to spin."""
+    def start(self) -> SpinThread:
+        """Begin; returns itself."""
+        self.executor.add_node(self.node)
         _threads[self._thread] = self
         self._thread.start()
+        return self
+
+    def close(self, timeout: float = 1.0) -> None:
+        """stop(), then destroy the node: one that is destroyed while it is waited on raises InvalidHandle."""
+        self.stop(timeout)
+        with contextlib.suppress(Exception):  # a student may have destroyed it, or the whole context
+            self.executor.remove_node(self.node)
+        destroy(self.node)
+        with contextlib.suppress(Exception):
+            self.executor.shutdown(timeout_sec=0.5)
 
     @property
     def is_alive(self) -> bool:

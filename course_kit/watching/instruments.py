@@ -5,22 +5,21 @@ They are apart from the student's nodes: a student's callback that blocks stalls
 
 from __future__ import annotations
 
-import contextlib
 import os
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from rclpy.executors import Executor, ExternalShutdownException, ShutdownException
+from rclpy.executors import Executor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
-from rclpy.task import Future
 
 from course_kit.polling import wait_until
 from course_kit.spinning import context, errors
+from course_kit.spinning.executors import SpinThread
+from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
 from course_kit.watching.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
 
@@ -31,10 +30,8 @@ class _Instruments:
 
     start: int
     node: Node
-    executor: Executor
     watcher: Watcher
-    spinning: threading.Thread
-    stopped: Future
+    spinning: SpinThread
 
 
 _lock = threading.RLock()
@@ -62,7 +59,7 @@ def node() -> Node:
 
 def executor() -> Executor:
     """The executor of node(); what must run in its thread, such as destroying entities, goes to create_task()."""
-    return _running().executor
+    return _running().spinning.executor
 
 
 def before_end(closer: Callable[[Node], None]) -> None:
@@ -113,34 +110,12 @@ def _running() -> _Instruments:
 
 
 def _make(start: int) -> _Instruments:
-    made = Node(
-        f"{_name_prefix}_{os.getpid()}",
-        start_parameter_services=False,
-        enable_rosout=_with_rosout,
-        parameter_overrides=[Parameter("start_type_description_service", value=False)],
-    )
-    own_executor = EventsExecutor()
-    own_executor.add_node(made)
-    stopped = Future()
-    watcher = Watcher(made, lambda error: errors.report(made.get_fully_qualified_name(), error))
-    thread = threading.Thread(
-        target=_spin, args=(own_executor, made, stopped), name="course_kit instruments", daemon=True
-    )
-    thread.start()
-    return _Instruments(start, made, own_executor, watcher, thread, stopped)
+    made = quiet_node(f"{_name_prefix}_{os.getpid()}", with_rosout=_with_rosout)
 
+    def report(error: Exception) -> None:
+        errors.report(made.get_fully_qualified_name(), error)
 
-def _spin(own_executor: Executor, made: Node, stopped: Future) -> None:
-    name = made.get_fully_qualified_name()
-    while not stopped.done() and made.context.ok():
-        try:
-            # Without a finite timeout the EventsExecutor runs no callback at all.
-            own_executor.spin_until_future_complete(stopped, timeout_sec=3600)
-        except (ExternalShutdownException, ShutdownException):
-            return
-        except Exception as error:
-            if not stopped.done():
-                errors.report(name, error)
+    return _Instruments(start, made, Watcher(made, report), SpinThread(made, report, EventsExecutor()).start())
 
 
 def stop() -> None:
@@ -151,17 +126,7 @@ def stop() -> None:
     if ending is None:
         return
     ending.watcher.stop()
-    with contextlib.suppress(Exception):  # each of these fails if a student shut ROS down before
-        ending.stopped.set_result(True)
-    with contextlib.suppress(Exception):
-        ending.executor.create_task(lambda: None)
-    if threading.current_thread() is not ending.spinning:
-        ending.spinning.join(2.0)
+    ending.spinning.stop(2.0)
     for closer in _closers:
         closer(ending.node)
-    with contextlib.suppress(Exception):
-        ending.executor.remove_node(ending.node)
-    with contextlib.suppress(Exception):
-        ending.node.destroy_node()
-    with contextlib.suppress(Exception):
-        ending.executor.shutdown(timeout_sec=1.0)
+    ending.spinning.close()

@@ -60,24 +60,20 @@ def _run(args: Namespace, session: Session) -> None:
 def _spun_node(session: Session) -> Iterator[Node]:
     """A node for one action client: the instruments' executor is none for them, see spinning.executor_for()."""
     from rclpy.executors import SingleThreadedExecutor
-    from rclpy.node import Node
 
-    from course_kit.spinning import action_answers, errors, executors
+    from course_kit.spinning import action_answers, errors
+    from course_kit.spinning.executors import SpinThread
+    from course_kit.spinning.nodes import quiet_node
 
     action_answers.keep()  # sent from this thread, answered in another
     name = f"{session.node.get_name()}_goal"
-    node = Node(name, context=session.node.context, start_parameter_services=False, enable_rosout=False)
+    node = quiet_node(name, session.node.context)
     executor = SingleThreadedExecutor(context=node.context)
-    executor.add_node(node)
-    thread = executors.SpinThread(name, executor, lambda error: errors.report(name, error))
-    thread.start()
+    thread = SpinThread(node, lambda error: errors.report(name, error), executor).start()
     try:
         yield node
     finally:
-        thread.stop()
-        executor.remove_node(node)
-        executors.destroy(node)
-        executor.shutdown(timeout_sec=0.5)
+        thread.close()
 
 
 def _wait_for_server(session: Session, client: Any, name: str, action_type: str) -> None:

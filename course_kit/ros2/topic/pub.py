@@ -155,24 +155,18 @@ def _node(session: Session, args: Namespace) -> Iterator[Any]:
         yield session.node
         return
     from rclpy.exceptions import InvalidNodeNameException
-    from rclpy.node import Node
-    from rclpy.parameter import Parameter
     from rclpy.validate_node_name import validate_node_name
 
+    from course_kit.spinning.nodes import quiet_node
     from course_kit.watching import instruments
 
     executor = instruments.executor()
     name = args.node_name or f"{session.node.get_name()}_publisher"
-    settings = {"use_sim_time": args.use_sim_time, "start_type_description_service": False}
     try:
         validate_node_name(name)
     except InvalidNodeNameException as error:
         raise CommandError(str(error).split("\n")[0].rstrip(":")) from None
-    node = Node(
-        name,
-        start_parameter_services=False,
-        parameter_overrides=[Parameter(name, value=value) for name, value in settings.items()],
-    )
+    node = quiet_node(name, with_rosout=True, use_sim_time=args.use_sim_time)
     executor.add_node(node)
     try:
         yield node
