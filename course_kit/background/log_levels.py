@@ -88,17 +88,11 @@ def _wait_for_node(node: Node | str, timeout: float) -> str:
 
 def _call(service_type: Any, node: str, service: str, request: Any, timeout: float) -> Any:
     executors.refuse_in_callback("a logger service")
-    client = instruments.node().create_client(service_type, f"{node}/{service}")
     try:
-        if not wait_until(client.service_is_ready, min(timeout, 2.0)):
-            raise RuntimeError(
-                f"{node} has no service {node}/{service}, so its level cannot be changed from outside. Make the node "
-                f"with super().__init__('{node.rsplit('/', 1)[-1]}', enable_logger_service=True), or start it with "
-                f"--ros-args --log-level {_logger(node)}:=debug"
-            )
-        future = client.call_async(request)
-        if not wait_until(future.done, timeout):
-            raise TimeoutError(f"{node} did not answer within {timeout:g} s: is it busy in a callback?")
-        return future.result()
-    finally:
-        instruments.executor().create_task(instruments.node().destroy_client, client)
+        return instruments.call(service_type, f"{node}/{service}", request, min(timeout, 2.0), timeout)
+    except LookupError:
+        raise RuntimeError(
+            f"{node} has no service {node}/{service}, so its level cannot be changed from outside. Make the node "
+            f"with super().__init__('{node.rsplit('/', 1)[-1]}', enable_logger_service=True), or start it with "
+            f"--ros-args --log-level {_logger(node)}:=debug"
+        ) from None

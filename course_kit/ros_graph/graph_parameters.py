@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +13,7 @@ from rclpy.parameter import parameter_value_to_python
 from course_kit.polling import wait_until
 from course_kit.ros_graph import graph
 from course_kit.ros_graph.graph_data import GraphNode, Parameter, Snapshot
+from course_kit.watching.instruments import client_of
 
 TIMEOUT = 2.0  # seconds for all nodes to answer
 # Every node has these; QoS overrides are drawn as the QoS itself.
@@ -56,20 +58,16 @@ def _parameters(names: list[str], values: Any, hidden: bool) -> tuple[Parameter,
 
 def _ask(node: Node, service_type: Any, service: str, requests: dict[str, Any], timeout: float) -> dict[str, Any]:
     """The answers by node; those that did not come in time are missing."""
-    clients = {name: node.create_client(service_type, f"{name}/{service}") for name in requests}
     futures: dict[str, Any] = {}
+    with ExitStack() as stack:
+        clients = {name: stack.enter_context(client_of(node, service_type, f"{name}/{service}")) for name in requests}
 
-    def all_answered() -> bool:
-        for name, client in clients.items():
-            if name not in futures and client.service_is_ready():
-                futures[name] = client.call_async(requests[name])
-        return len(futures) == len(clients) and all(future.done() for future in futures.values())
+        def all_answered() -> bool:
+            for name, client in clients.items():
+                if name not in futures and client.service_is_ready():
+                    futures[name] = client.call_async(requests[name])
+            return len(futures) == len(clients) and all(future.done() for future in futures.values())
 
-    try:
         wait_until(all_answered, timeout)
         done = {name: future for name, future in list(futures.items()) if future.done()}
         return {name: answer for name, future in done.items() if (answer := future.result()) is not None}
-    finally:
-        for client in clients.values():
-            if node.executor is not None:  # in its thread: what is destroyed while it is waited on raises
-                node.executor.create_task(node.destroy_client, client)

@@ -12,13 +12,13 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.completion import names_of, type_of
+from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-GONE = 2.0  # seconds after which a server that is not there any more will not answer
 SAME_INTERRUPT = 0.5  # seconds: a shell may pass one Ctrl-C on twice, to the process and to its group
 STATUSES = {1: "ACCEPTED", 2: "EXECUTING", 3: "CANCELING", 4: "SUCCEEDED", 5: "CANCELED", 6: "ABORTED"}
 
@@ -51,7 +51,8 @@ def _run(args: Namespace, session: Session) -> None:
         except Exception as error:  # rclpy has several for what the middleware refuses
             raise CommandError(" ".join(str(error).split())) from None
         session.print("Waiting for an action server to become available...")
-        _wait_for_server(session, client, args.action_name, args.action_type)
+        full_name = "/" + args.action_name.removeprefix("/")
+        wait_for_server(session, client.server_is_ready, full_name, args.action_type, _offered)
         stamp(times, *node.get_clock().now().seconds_nanoseconds())
         _Goal(session, client, args.action_name, args.feedback).send(goal)
 
@@ -76,20 +77,11 @@ def _spun_node(session: Session) -> Iterator[Node]:
         thread.close()
 
 
-def _wait_for_server(session: Session, client: Any, name: str, action_type: str) -> None:
+def _offered(node: Node) -> dict[str, list[str]]:
     from course_kit.ros_graph import graph
 
-    if session.until(client.server_is_ready, GONE, poll=0.005):
-        return
-    node = session.graph()
     actions = graph.actions(node).items()
-    offered = {found: types for found, types in actions if node.count_publishers(f"{found}/_action/status")}
-    full_name = name if name.startswith("/") else f"/{name}"
-    types = [found for found in offered.get(full_name, []) if found != action_type]
-    suggestion = f"Did you mean {types[0]}?" if types else did_you_mean(full_name, offered)
-    if suggestion and not client.server_is_ready():
-        session.warn(suggestion)
-    session.until(client.server_is_ready)
+    return {name: types for name, types in actions if node.count_publishers(f"{name}/_action/status")}
 
 
 class _Goal:
@@ -136,43 +128,16 @@ class _Goal:
         self._session.print("Goal canceled.")
 
     def _outcome(self, future: Any, doing: str, stops: Callable[[], bool] = lambda: False) -> Any:
-        """What a future brings, with the feedback that comes meanwhile; None if it stops before.
-
-        Raises CommandError if the server ends before.
-        """
-        is_over = self._watch(future)
-        while not is_over() and not stops():
-            self._session.until(lambda: is_over() or stops() or self._has_feedback(), poll=0.005)
-            self._print_feedback()
-        self._print_feedback()
-        if not future.done():
-            if stops():
-                return None
-            raise CommandError(f"Exception while {doing}: the server of '{self._action}' ended")
-        if future.exception() is not None:
-            raise CommandError(f"Exception while {doing}: {future.exception()!r}")
-        return future.result()
-
-    def _watch(self, future: Any) -> Callable[[], bool]:
-        """Whether a future is done, or will never be because its server has gone."""
-        seen = time.monotonic()
-
-        def is_over() -> bool:
-            nonlocal seen
-            if self._client.server_is_ready():
-                seen = time.monotonic()
-            return bool(future.done()) or time.monotonic() - seen > GONE
-
-        return is_over
-
-    def _has_feedback(self) -> bool:
-        return self._is_accepted and not self._feedback.empty()
-
-    def _print_feedback(self) -> None:
+        """What a future brings, with the feedback that comes meanwhile; None if it stops before."""
         from course_kit.ros2.messages.yaml_text import to_yaml
 
-        while self._has_feedback():
-            self._session.print(f"Feedback:\n    {to_yaml(self._feedback.get().feedback)}")
+        def stops_after_feedback() -> bool:
+            while self._is_accepted and not self._feedback.empty():
+                self._session.print(f"Feedback:\n    {to_yaml(self._feedback.get().feedback)}")
+            return stops()
+
+        lost = f"the server of '{self._action}' ended"
+        return outcome(self._session, future, self._client.server_is_ready, doing, lost, stops_after_feedback)
 
 
 class _Interrupt:

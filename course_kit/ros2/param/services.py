@@ -27,21 +27,15 @@ TYPE_NAMES = (
 
 def call(session: Session, service_type: Any, node_name: str, service: str, request: Any) -> Any:
     """Call a parameter service of a node; its response. Raises CommandError if the node does not answer."""
-    from course_kit.watching import instruments
+    from course_kit.watching.instruments import call as call_service
 
-    client = session.node.create_client(service_type, f"{node_name}/{service}")
+    name = f"{node_name}/{service}"
     try:
-        if not session.until(client.service_is_ready, SERVICE_TIMEOUT):
-            raise CommandError("Wait for service timed out")
-        future = client.call_async(request)
-        if not session.until(future.done, ANSWER_TIMEOUT, poll=0.002):
-            raise CommandError(
-                f"Exception while calling service of node '{node_name}': no answer within {ANSWER_TIMEOUT:g} s. "
-                f"Is the node busy in a callback, or has it ended?"
-            )
-        return future.result()
-    finally:
-        instruments.executor().create_task(session.node.destroy_client, client)
+        return call_service(service_type, name, request, SERVICE_TIMEOUT, ANSWER_TIMEOUT, session.until)
+    except LookupError:
+        raise CommandError("Wait for service timed out") from None
+    except TimeoutError as error:
+        raise CommandError(f"Exception while calling service of node '{node_name}': {error}") from None
 
 
 def list_parameters(session: Session, node_name: str, prefixes: Sequence[str] = ()) -> list[str]:

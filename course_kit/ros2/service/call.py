@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
+from contextlib import ExitStack
 from typing import Any
 
 from course_kit.ros2.completion import names_of, type_of
+from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
-
-GONE = 2.0  # seconds after which a server that is not there any more will not answer
+from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered
 
 
 def _arguments(parser: ArgumentParser) -> None:
@@ -33,7 +33,7 @@ def _arguments(parser: ArgumentParser) -> None:
 def _run(args: Namespace, session: Session) -> None:
     from course_kit.ros2.messages.arguments import filled, parsed
     from course_kit.ros2.messages.classes import checked_name, interface_class
-    from course_kit.watching import instruments
+    from course_kit.watching.instruments import client_of
 
     if args.rate is not None and args.rate <= 0:
         raise CommandError("rate must be greater than zero")
@@ -41,32 +41,21 @@ def _run(args: Namespace, session: Session) -> None:
     request = kind.Request()
     times = filled(request, parsed(args, args.values))
     name = checked_name(args.service_name, "service")
-    node = session.node
-    try:
-        client = node.create_client(kind, name)
-    except Exception as error:  # rclpy has several for what the middleware refuses
-        raise CommandError(" ".join(str(error).split())) from None
-    try:
+    with ExitStack() as stack:
+        try:
+            client = stack.enter_context(client_of(session.node, kind, name))
+        except Exception as error:  # rclpy has several for what the middleware refuses
+            raise CommandError(" ".join(str(error).split())) from None
         if not client.service_is_ready():
             session.print("waiting for service to become available...")
-            _wait_for_service(session, client, args.service_type)
+            wait_for_server(session, client.service_is_ready, client.srv_name, args.service_type, _offered)
         _call(args, session, client, request, times)
-    finally:
-        instruments.executor().create_task(node.destroy_client, client)
 
 
-def _wait_for_service(session: Session, client: Any, service_type: str) -> None:
+def _offered(node: Any) -> dict[str, list[str]]:
     from course_kit.ros_graph import graph
 
-    if session.until(client.service_is_ready, GONE, poll=0.002):
-        return
-    node = session.graph()
-    offered = {name: types for name, types in graph.services(node).items() if node.count_services(name)}
-    types = [name for name in offered.get(client.srv_name, []) if name != service_type]
-    suggestion = f"Did you mean {types[0]}?" if types else did_you_mean(client.srv_name, offered)
-    if suggestion and not client.service_is_ready():
-        session.warn(suggestion)
-    session.until(client.service_is_ready)
+    return {name: types for name, types in graph.services(node).items() if node.count_services(name)}
 
 
 def _call(args: Namespace, session: Session, client: Any, request: Any, times: list[Any]) -> None:
@@ -85,23 +74,11 @@ def _call(args: Namespace, session: Session, client: Any, request: Any, times: l
 def _response(session: Session, client: Any, request: Any) -> Any:
     """The response, when it comes. CommandError if the server ends before it answers."""
     future = client.call_async(request)
-    seen = time.monotonic()
-
-    def is_over() -> bool:
-        nonlocal seen
-        if client.service_is_ready():
-            seen = time.monotonic()
-        return bool(future.done()) or time.monotonic() - seen > GONE
-
-    session.until(is_over, poll=0.002)
-    if not future.done():
+    try:
+        lost = f"the server of '{client.srv_name}' ended before it answered"
+        return outcome(session, future, client.service_is_ready, "calling service", lost)
+    finally:
         client.remove_pending_request(future)
-        raise CommandError(
-            f"Exception while calling service: the server of '{client.srv_name}' ended before it answered"
-        )
-    if future.exception() is not None:
-        raise CommandError(f"Exception while calling service: {future.exception()!r}")
-    return future.result()
 
 
 CALL = Verb("Call a service", _run, _arguments)

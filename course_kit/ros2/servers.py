@@ -1,0 +1,54 @@
+"""Servers of services and actions, as those who call them wait for them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from course_kit.ros2.session import Session
+from course_kit.ros2.verbs import CommandError, did_you_mean
+
+GONE = 2.0  # seconds after which a server that is not there any more will not answer
+POLL = 0.002
+
+
+def wait_for_server(
+    session: Session, is_ready: Callable[[], bool], name: str, wanted: str, offered: Callable[[Any], Mapping[str, Any]]
+) -> None:
+    """Wait until the server is there; say after a while which of the names and types `offered` may be meant."""
+    if session.until(is_ready, GONE, POLL):
+        return
+    there = offered(session.graph())
+    types = [found for found in there.get(name, []) if found != wanted]
+    suggestion = f"Did you mean {types[0]}?" if types else did_you_mean(name, there)
+    if suggestion and not is_ready():
+        session.warn(suggestion)
+    session.until(is_ready)
+
+
+def outcome(
+    session: Session,
+    future: Any,
+    is_ready: Callable[[], bool],
+    doing: str,
+    lost: str,
+    stops: Callable[[], bool] = lambda: False,
+) -> Any:
+    """What a future brings; None if it `stops()` before. CommandError, `lost`, if its server has gone before."""
+    seen = time.monotonic()
+
+    def is_over() -> bool:
+        nonlocal seen
+        if is_ready():
+            seen = time.monotonic()
+        return bool(future.done()) or time.monotonic() - seen > GONE
+
+    session.until(lambda: is_over() or stops(), poll=POLL)
+    if stops() and not future.done():
+        return None
+    if not future.done():
+        raise CommandError(f"Exception while {doing}: {lost}")
+    if future.exception() is not None:
+        raise CommandError(f"Exception while {doing}: {future.exception()!r}")
+    return future.result()
