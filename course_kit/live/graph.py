@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import threading
 import time
 from typing import Any
 
@@ -11,61 +10,46 @@ from ipywidgets import HTML, Button, HBox, Image, Layout, VBox
 from rclpy.exceptions import InvalidHandle
 from rclpy.node import Node
 
+from course_kit.live.life import Life, stop_all
 from course_kit.ros_graph.graph_data import Snapshot
 from course_kit.ros_graph.graph_plots import draw_graph, look, observer
-from course_kit.spinning import context
 
 PERIOD = 0.2  # seconds between two looks at the graph; one takes 10 ms for 60 nodes
 PARAMETERS = 1.0  # where each look asks all nodes for their parameters
 REST = 1.0  # how long it rests after drawing, as a multiple of how long that took: cells and nodes want time too
 
-_views: dict[tuple[object, ...], GraphView] = {}
 
-
-class GraphView(VBox):
+class GraphView(Life, VBox):
     """A live picture of the graph, until its stop button, close(), the same view again or the end of ROS."""
 
     def __init__(self, watching: Node, first: Snapshot, wanted: dict[str, Any]) -> None:
-        self._watching, self._wanted = watching, wanted
+        self._watching, self.wanted = watching, wanted
+        self._period = PARAMETERS if wanted["parameters"] else PERIOD
         self._shown: Snapshot | None = None
-        self._closed = threading.Event()
         self.drawn = 0  # pictures so far
         self._image = Image(format="png", layout=Layout(max_width="100%", object_fit="contain"))
         self._line = HTML()
         self._button = Button(description="Stop", icon="stop", layout=Layout(width="90px"))
-        self._button.on_click(lambda _: self._closed.set())
+        self._button.on_click(lambda _: self._ending.set())
         super().__init__([self._image, HBox([self._button, self._line])])
         self._update(first)
-        self._thread = threading.Thread(target=self._follow, name="course_kit graph view", daemon=True)
-        self._thread.start()
+        self._begin("course_kit graph view", self._period)
 
-    @property
-    def is_running(self) -> bool:
-        """Whether the picture still follows the graph."""
-        return self._thread.is_alive()
+    def _show(self) -> float:
+        start = time.monotonic()
+        try:
+            self._update(look(self._watching, **self.wanted))
+        except ValueError as error:  # the node that was asked for has gone; it may come back
+            self._say(str(error).partition(";")[0])
+        return max(self._period, REST * (time.monotonic() - start))
 
-    def close(self) -> None:
-        """End the view; its last picture stays."""
-        self._closed.set()
-        if self._thread is not threading.current_thread():
-            self._thread.join(5.0)
-
-    def _follow(self) -> None:
-        rest = period = PARAMETERS if self._wanted.get("parameters") else PERIOD
-        end = "stopped"
-        while not self._closed.wait(rest):
-            start = time.monotonic()
-            try:
-                self._update(look(self._watching, **self._wanted))
-            except ValueError as error:  # the node that was asked for has gone; it may come back
-                self._say(str(error).partition(";")[0])
-            except Exception as error:  # there is no other place where it could be seen
-                gone = isinstance(error, InvalidHandle) or not self._watching.context.ok()
-                end = f"stopped: {'ROS was shut down' if gone else f'{type(error).__name__}: {error}'}"
-                break
-            rest = max(period, REST * (time.monotonic() - start))
+    def _end(self, error: Exception | None) -> None:
         self._button.disabled = True
-        self._say(end)
+        if error is None:
+            self._say("stopped")
+        else:
+            gone = isinstance(error, InvalidHandle) or not self._watching.context.ok()
+            self._say(f"stopped: {'ROS was shut down' if gone else f'{type(error).__name__}: {error}'}")
 
     def _update(self, now: Snapshot) -> None:
         """Draw if anything that can be seen has changed."""
@@ -97,20 +81,11 @@ def show_graph(
 
     Takes what plot_graph() takes. The stop button ends it, and so does showing the same again. Stands for rqt_graph.
     """
-    key = (str(node), namespace, hidden, services, actions, parameters)
-    if key in _views:
-        _views.pop(key).close()
     wanted = {
         "node": node, "namespace": namespace, "hidden": hidden,
         "services": services, "actions": actions, "parameters": parameters,
     }  # fmt: skip
+    stop_all(lambda other: isinstance(other, GraphView) and str(other.wanted) == str(wanted))
     # Asked for once: it would start ROS again, in the view's thread, where a student has shut it down.
     watching = observer()
-    _views[key] = view = GraphView(watching, look(watching, **wanted), wanted)
-    context.before_stop(_close_all)
-    return view
-
-
-def _close_all() -> None:
-    while _views:
-        _views.popitem()[1].close()
+    return GraphView(watching, look(watching, **wanted), wanted)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import html
-import threading
 from typing import Any
 
 from ipywidgets import HTML, Dropdown, HBox, Layout, Text, ToggleButton, VBox
 
 from course_kit.background import log_levels
+from course_kit.live.life import Life, alive
 from course_kit.node_logs import rosout
-from course_kit.node_logs.rosout import LEVELS, LogLine, LogLines
+from course_kit.node_logs.rosout import LEVELS, LogLines
 from course_kit.spinning import context
 
 PERIOD = 0.25  # seconds between two looks: nodes may log a thousand times a second
@@ -20,10 +20,8 @@ ALL = "all nodes"
 MOST = 4  # consoles that are live at once; the oldest of more ends
 LEAVE = "set level …"
 
-_panels: list[LogPanel] = []
 
-
-class LogPanel(VBox):
+class LogPanel(Life, VBox):
     """A console with the last log lines of the nodes of this domain; its choices are attributes too."""
 
     def __init__(self, node: str | None, level: str) -> None:
@@ -40,15 +38,13 @@ class LogPanel(VBox):
         if node is not None:
             self._offer("/" + node.strip("/"))
             self.node.value = "/" + node.strip("/")
-        self._changed = threading.Event()
-        self._closed = threading.Event()
+        self._is_new = False  # whether there is anything to show
         for choice in (self.node, self.level, self.text, self.pause):
-            choice.observe(lambda _: self._changed.set(), names="value")
+            choice.observe(self._on_change, names="value")
         self.set_level.observe(self._set_level, names="value")
-        rosout.listen(self._on_line)
+        rosout.listen(self._on_change)
         self.show_lines()
-        self._thread = threading.Thread(target=self._keep_showing, name="log console", daemon=True)
-        self._thread.start()
+        self._begin("log console", PERIOD)
 
     def shown(self) -> LogLines:
         """The lines that the choices leave."""
@@ -63,29 +59,22 @@ class LogPanel(VBox):
         newest = "".join(rosout.html_line(line) for line in reversed(lines)) or "(no log lines)"
         self._lines.value = f"<pre class='course-kit-logs' style='margin:0;line-height:1.35'>{newest}</pre>"
 
-    def close(self) -> None:
-        """End the console; its last lines stay."""
-        self._closed.set()
-        self._changed.set()
-        rosout.unlisten(self._on_line)
-        if threading.current_thread() is not self._thread:
-            self._thread.join(1.0)
-        if self in _panels:
-            _panels.remove(self)
-
     def _offer(self, name: str) -> None:
         self.node.options = [*self.node.options, name]
 
-    def _on_line(self, line: LogLine) -> None:
-        self._changed.set()
+    def _on_change(self, _: Any) -> None:
+        self._is_new = True
 
-    def _keep_showing(self) -> None:
-        while not self._closed.is_set():
-            self._changed.wait()
-            self._changed.clear()
-            if not self.pause.value and not self._closed.is_set():
-                self.show_lines()
-            self._closed.wait(PERIOD)
+    def _show(self) -> float:
+        if self._is_new and not self.pause.value:
+            self._is_new = False
+            self.show_lines()
+        return PERIOD
+
+    def _end(self, error: Exception | None) -> None:
+        rosout.unlisten(self._on_change)
+        if error is not None:
+            self._say(f"ended: {error}")
 
     def _set_level(self, change: dict[str, Any]) -> None:
         if change["new"] == LEAVE:
@@ -110,14 +99,7 @@ def watch_logs(node: str | None = None, level: str = "INFO") -> LogPanel:
     `level` is the lowest shown at first. "set level" changes what the chosen node logs at all, as set_log_level().
     """
     context.start()
-    context.before_stop(_close_all)
     panel = LogPanel(node, level)
-    _panels.append(panel)
-    for old in _panels[:-MOST]:
-        old.close()
+    for old in [one for one in alive if isinstance(one, LogPanel)][:-MOST]:
+        old.stop()
     return panel
-
-
-def _close_all() -> None:
-    for panel in list(_panels):
-        panel.close()

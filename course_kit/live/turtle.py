@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import html
 import itertools
-import threading
 from collections import deque
 from typing import Any
 
@@ -14,7 +14,7 @@ from rclpy.serialization import deserialize_message
 from turtlesim.msg import Pose
 
 from course_kit.background import running
-from course_kit.spinning import context
+from course_kit.live.life import Life, stop_all
 from course_kit.turtlesim import Teleop, teleop
 from course_kit.turtlesim.field import METER, SIZE
 from course_kit.turtlesim.picture import turtle_image
@@ -30,14 +30,12 @@ KEYS = {"ArrowUp": "up", "ArrowDown": "down", "ArrowLeft": "left", "ArrowRight":
 DRIVEN = [key for key in teleop.KEYS if key != "q"]  # the panel ends with close()
 BUTTONS = {"up": "arrow-up", "left": "arrow-left", "down": "arrow-down", "right": "arrow-right"}
 
-_panels: dict[str, TurtlePanel] = {}
 
-
-class TurtlePanel(VBox):
+class TurtlePanel(Life, VBox):
     """A live field with a turtle on it, arrow buttons, and keys once the field was clicked."""
 
     def __init__(self, turtle: str, namespace: str) -> None:
-        self.topic = "/" + "/".join(part for part in (namespace.strip("/"), turtle, "pose") if part)
+        self.topic = _topic(turtle, namespace)
         options: dict[str, Any] = {"namespace": namespace} if namespace else {}
         if turtle != "turtle1":  # the teleop node's own name for its turtle, as in the original
             remapping = [f"turtle1/{topic}:={turtle}/{topic}" for topic in ("cmd_vel", "rotate_absolute")]
@@ -45,7 +43,6 @@ class TurtlePanel(VBox):
         self.teleop = running.run(Teleop, **options)
         self._poses: deque[bytes] = deque(maxlen=1000)
         self._last: Pose | None = None
-        self._closed = threading.Event()
         self._canvas = MultiCanvas(2, width=SIZE, height=SIZE, layout=Layout(width=f"{SCREEN}px", height=f"{SCREEN}px"))
         self._canvas[0].fill_style, self._canvas[0].stroke_style = BACKGROUND, TRAIL
         self._canvas[0].line_width = 3
@@ -54,19 +51,17 @@ class TurtlePanel(VBox):
         self._line = HTML()
         super().__init__([HBox([self._canvas, self._pad()]), self._line])
         self._subscription = instruments.subscribe(self.topic, self._on_pose, "turtlesim/msg/Pose")
-        self._thread = threading.Thread(target=self._keep_drawing, name=f"view of {self.topic}", daemon=True)
-        self._thread.start()
+        self._begin(f"view of {self.topic}", FRAME)
 
     def press(self, key: str) -> None:
         """Do what a key does: up, down, left, right, or a letter of turtle_teleop_key."""
         self.teleop.press(key)
 
-    def close(self) -> None:
-        """End the view and its teleop node; the last picture stays."""
-        self._closed.set()
+    def _end(self, error: Exception | None) -> None:
         self._subscription.close()
         running.stop(self.teleop)
-        _panels.pop(self.topic, None)
+        if error is not None:
+            self._line.value = f"<code>ended: {html.escape(str(error))}</code>"
 
     def _pad(self) -> GridBox:
         """The arrow buttons, laid out as the keys are."""
@@ -86,10 +81,10 @@ class TurtlePanel(VBox):
     def _on_pose(self, serialised: bytes, *_info: Any) -> None:
         self._poses.append(serialised)
 
-    def _keep_drawing(self) -> None:
-        while not self._closed.wait(FRAME):
-            if self._poses:
-                self._draw([deserialize_message(self._poses.popleft(), Pose) for _ in range(len(self._poses))])
+    def _show(self) -> float:
+        if self._poses:
+            self._draw([deserialize_message(self._poses.popleft(), Pose) for _ in range(len(self._poses))])
+        return FRAME
 
     def _draw(self, poses: list[Pose]) -> None:
         """Add the way since the last picture to the trail and put the turtle at its end."""
@@ -119,15 +114,10 @@ def drive(turtle: str = "turtle1", namespace: str = "") -> TurtlePanel:
 
     Stands for `ros2 run turtlesim turtle_teleop_key` and the simulator's window.
     """
-    topic = "/" + "/".join(part for part in (namespace.strip("/"), turtle, "pose") if part)
-    if topic in _panels:
-        _panels[topic].close()
-    panel = TurtlePanel(turtle, namespace)
-    _panels[panel.topic] = panel
-    context.before_stop(_close_all)
-    return panel
+    topic = _topic(turtle, namespace)
+    stop_all(lambda other: isinstance(other, TurtlePanel) and other.topic == topic)
+    return TurtlePanel(turtle, namespace)
 
 
-def _close_all() -> None:
-    for panel in list(_panels.values()):
-        panel.close()
+def _topic(turtle: str, namespace: str) -> str:
+    return "/" + "/".join(part for part in (namespace.strip("/"), turtle, "pose") if part)

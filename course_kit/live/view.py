@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import html
 import io
-import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -14,15 +13,13 @@ from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
 from course_kit.figures import SCREEN_DPI, Plot
-from course_kit.spinning import context
+from course_kit.live.life import Life, stop_all
 
 Bundle = dict[str, Any]
 LONGEST = 600.0  # seconds after which a view that was forgotten ends
 
-_views: list[LiveView] = []
 
-
-class LiveView:
+class LiveView(Life):
     """Shows what `draw()` returns, a MIME bundle, every `period` seconds. .stop() ends it; the last picture stays."""
 
     def __init__(
@@ -33,27 +30,16 @@ class LiveView:
         self._draw, self._close = draw, close
         self._period = period
         self._deadline = time.monotonic() + seconds
-        self._ending = threading.Event()
         self._cell, self._request = _cell()
-        for view in list(_views):
-            if (view.what, view._cell) == (what, self._cell) and view._request != self._request:
-                view.stop()
-        _views.append(self)
-        context.before_stop(stop_all)
+        stop_all(self._replaces)
         self._handle: DisplayHandle | None = display(draw(), raw=True, display_id=True)
-        self._thread = threading.Thread(target=self._keep_drawing, name=f"live {what}", daemon=True)
-        self._thread.start()
+        self._begin(f"live {what}", period)
 
-    @property
-    def is_running(self) -> bool:
-        """Whether the view is still updated."""
-        return not self._ending.is_set()
-
-    def stop(self) -> None:
-        """End it; safe to call twice."""
-        self._ending.set()
-        if threading.current_thread() is not self._thread:
-            self._thread.join(2.0)
+    def _replaces(self, other: Life) -> bool:
+        """Whether another is the same, from an earlier run of the cell."""
+        if not isinstance(other, LiveView) or other._request == self._request:
+            return False
+        return (other.what, other._cell) == (self.what, self._cell)
 
     def __repr__(self) -> str:
         return f"<{self.what}, {'live' if self.is_running else 'stopped'}>"
@@ -61,34 +47,26 @@ class LiveView:
     def _ipython_display_(self) -> None:
         """A cell that ends in a view has shown it already."""
 
-    def _keep_drawing(self) -> None:
-        due = time.monotonic() + self._period
-        try:
-            while not self._ending.wait(max(0.0, due - time.monotonic())) and due < self._deadline:
-                self._show()
-                due = max(due + self._period, time.monotonic() + self._period / 4)
-            self._show()
-        except Exception as error:  # ROS was shut down, for instance
-            self._tell(error)
-        finally:
+    def _show(self) -> float:
+        start = time.monotonic()
+        self._update(self._draw())
+        if start >= self._deadline:
             self._ending.set()
-            self._close()
-            if self in _views:
-                _views.remove(self)
+        return max(self._period + start - time.monotonic(), self._period / 4)
 
-    def _show(self) -> None:
+    def _end(self, error: Exception | None) -> None:
+        try:
+            if error is None:
+                self._show()
+        except Exception as last:
+            error = last
+        if error is not None:
+            self._update({"text/plain": f"{self.what} ended: {error}"})
+        self._close()
+
+    def _update(self, bundle: Bundle) -> None:
         if self._handle is not None:
-            self._handle.update(self._draw(), raw=True)
-
-    def _tell(self, error: Exception) -> None:
-        if self._handle is not None:
-            self._handle.update({"text/plain": f"{self.what} ended: {error}"}, raw=True)
-
-
-def stop_all() -> None:
-    """End every view, before ROS ends."""
-    for view in list(_views):
-        view.stop()
+            self._handle.update(bundle, raw=True)
 
 
 def _cell() -> tuple[str, str]:
