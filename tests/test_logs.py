@@ -12,8 +12,9 @@ from rclpy.node import Node
 
 from course_kit.background import running
 from course_kit.background.log_levels import log_level, set_log_level
+from course_kit.launching.output import log_folder
 from course_kit.node_logs import rosout
-from course_kit.node_logs.log_directory import log_files, log_folder, parse
+from course_kit.node_logs.log_directory import log_files, parse
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 from course_kit.spinning import context

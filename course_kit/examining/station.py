@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
+from collections import deque
 from collections.abc import Callable
 from typing import Any
 
@@ -29,7 +30,7 @@ class Heard:
 
     def __init__(self, message_type: Any) -> None:
         self._type = message_type
-        self._kept: list[tuple[int, int, bytes]] = []
+        self._kept: deque[tuple[int, int, bytes]] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         self.received = 0  # messages in all, also those no longer kept
         self.subscription: RawSubscription | None = None
@@ -38,24 +39,26 @@ class Heard:
         """Keep a message; called in the watching thread."""
         with self._lock:
             self.received += 1
-            if len(self._kept) >= KEPT:
-                del self._kept[: KEPT // 10]
             self._kept.append((info["received_timestamp"], info["publication_sequence_number"], serialised))
 
     def __len__(self) -> int:
         return len(self._kept)
 
+    def _all(self) -> list[tuple[int, int, bytes]]:
+        with self._lock:
+            return list(self._kept)
+
+    def _read(self, serialised: bytes) -> Any:
+        return deserialize_message(serialised, self._type)
+
     @property
     def times(self) -> list[int]:
         """When each kept message came, in nanoseconds since the epoch, oldest first."""
-        with self._lock:
-            return [when for when, _, _ in self._kept]
+        return [when for when, _, _ in self._all()]
 
     def times_of(self, belongs: Callable[[Any], bool]) -> list[int]:
         """The times of the messages that `belongs` picks."""
-        with self._lock:
-            kept = list(self._kept)
-        return [when for when, _, one in kept if belongs(deserialize_message(one, self._type))]
+        return [when for when, _, one in self._all() if belongs(self._read(one))]
 
     @property
     def publisher_count(self) -> int:
@@ -65,23 +68,18 @@ class Heard:
     @property
     def messages(self) -> list[Any]:
         """The kept messages, oldest first."""
-        with self._lock:
-            kept = list(self._kept)
-        return [deserialize_message(serialised, self._type) for _, _, serialised in kept]
+        return [self._read(one) for _, _, one in self._all()]
 
     def since_restart(self) -> list[Any]:
         """The messages of the last of its publishers: each counts its own from 1."""
-        with self._lock:
-            kept = list(self._kept)
+        kept = self._all()
         starts = [0, *(place for place in range(1, len(kept)) if kept[place][1] <= kept[place - 1][1])]
-        return [deserialize_message(one, self._type) for _, _, one in kept[starts[-1] :]]
+        return [self._read(one) for _, _, one in kept[starts[-1] :]]
 
     @property
     def last(self) -> Any:
         """The newest message. IndexError if none has come."""
-        with self._lock:
-            serialised = self._kept[-1][2]
-        return deserialize_message(serialised, self._type)
+        return self._read(self._kept[-1][2])
 
     def close(self) -> None:
         """Stop listening."""

@@ -7,7 +7,6 @@ import os
 import shlex
 import signal
 import subprocess
-import threading
 import time
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -131,11 +130,7 @@ class System:
         """End its programs, also those that the student has started in their place."""
         stay = set(except_for)
         ending = [one for one in processes.running() if _is_of_robot(one) and one.name not in stay] + self._extra
-        threads = [threading.Thread(target=one.stop, args=(PATIENCE,)) for one in ending]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join(20.0)
+        processes.stop_all(PATIENCE, ending)
         self._extra.clear()
         self._started = {program: pair for program, pair in self._started.items() if program in stay}
         if not stay:

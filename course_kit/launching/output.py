@@ -25,11 +25,9 @@ WORDS: dict[str, dict[str, set[str]]] = {
 }
 
 
-def log_root() -> Path:
-    """The folder that all log folders are in: ROS_LOG_DIR, else log in ROS_HOME, else ~/.ros/log."""
-    folder = os.environ.get("ROS_LOG_DIR")
-    if not folder:
-        folder = os.path.join(os.environ.get("ROS_HOME") or os.path.join("~", ".ros"), "log")
+def log_folder(environment: Mapping[str, str] = os.environ) -> Path:
+    """Where ROS writes log files: ROS_LOG_DIR, else $ROS_HOME/log, else ~/.ros/log."""
+    folder = environment.get("ROS_LOG_DIR") or os.path.join(environment.get("ROS_HOME") or "~/.ros", "log")
     return Path(os.path.normpath(os.path.expanduser(folder)))
 
 
@@ -44,7 +42,7 @@ class _Files:
     def folder(self) -> Path:
         if self._folder is None:
             stamp = datetime.datetime.now().strftime("%Y-%m-%d-%H-%M-%S-%f")
-            self._folder = log_root() / f"{stamp}-{socket.gethostname()}-{os.getpid()}"
+            self._folder = log_folder() / f"{stamp}-{socket.gethostname()}-{os.getpid()}"
             self._folder.mkdir(parents=True, exist_ok=True)
             self._link_latest(self._folder)
         return self._folder

@@ -7,13 +7,12 @@ blocks of 4 kB, so the newest lines of a process that runs may not be there yet.
 
 from __future__ import annotations
 
-import os
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
+from course_kit.launching.output import log_folder
 from course_kit.node_logs.rosout import LEVELS, LogLine, LogLines, is_of, level_number
 from course_kit.text import table
 
@@ -22,13 +21,6 @@ NAME = re.compile(r"(?P<program>.+)_(?P<pid>\d+)_(?P<start>\d{13})\.log")
 # "[INFO] [1795257602.544754480] [talker]: text" of a node, "1795257602.5447 [INFO] [launch]: text" of a launch.
 OF_NODE = re.compile(r"\[(?P<level>[A-Z]+)\] \[(?P<when>\d+\.\d+)\] \[(?P<name>[^\]]*)\]: (?P<text>.*)")
 OF_LAUNCH = re.compile(r"(?P<when>\d+\.\d+) \[(?P<level>[A-Z]+)\] \[(?P<name>[^\]]*)\]: (?P<text>.*)")
-
-
-def log_folder(environment: Mapping[str, str] = os.environ) -> Path:
-    """Where ROS writes log files: ROS_LOG_DIR, else $ROS_HOME/log, else ~/.ros/log."""
-    if folder := environment.get("ROS_LOG_DIR"):
-        return Path(folder).expanduser()
-    return Path(environment.get("ROS_HOME") or "~/.ros").expanduser() / "log"
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from course_kit.programs.orphans import Watch, end_all, mark, marked
-from course_kit.programs.process_output import Reader, open_terminal
+from course_kit.programs.process_output import Reader, as_seen, open_terminal
 
 KEPT_LINES = 10_000
 PATIENCE = 5.0  # seconds that a process has to end, after SIGINT and again after SIGTERM
@@ -174,6 +174,7 @@ class Process:
     # Called by the thread that reads.
 
     def _keep(self, line: str) -> None:
+        line = as_seen(line)
         with self._lock:
             self._kept.append(line)
         if self._on_line is not None:

@@ -77,9 +77,9 @@ class Reader:
         lines = LineCutter()
         for data in self._chunks():
             for line in lines.feed(data):
-                self._on_line(as_seen(line))
+                self._on_line(line)
         for line in lines.rest():
-            self._on_line(as_seen(line))
+            self._on_line(line)
         os.close(self._fd)
         self._on_end()
 

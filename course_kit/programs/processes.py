@@ -136,9 +136,10 @@ def failed() -> list[Process]:
         return [process for process in _processes.values() if process.state.startswith("failed")]
 
 
-def stop_all(patience: float = PATIENCE) -> None:
-    """Stop every process of start(), all at the same time."""
-    threads = [threading.Thread(target=process.stop, args=(patience,)) for process in running()]
+def stop_all(patience: float = PATIENCE, which: Sequence[Process] | None = None) -> None:
+    """Stop processes at the same time; unless given, every process of start()."""
+    stopping = running() if which is None else which
+    threads = [threading.Thread(target=process.stop, args=(patience,)) for process in stopping]
     for thread in threads:
         thread.start()
     deadline = time.monotonic() + 2 * patience + KILL_TIMEOUT

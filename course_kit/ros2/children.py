@@ -6,16 +6,19 @@ import contextlib
 import os
 import signal
 import subprocess
-import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from queue import Empty, SimpleQueue
 from types import FrameType
-from typing import IO, Any
+from typing import Any
 
 from course_kit.programs.orphans import Watch, mark
+from course_kit.programs.process_output import Reader
 from course_kit.ros2.session import DurationOver, Session
 from course_kit.ros2.verbs import CommandError
+
+Lines = SimpleQueue[Callable[[], None] | None]  # how to write each line; None at the end
 
 END_TIMEOUT = 20.0  # seconds for a program to end once it was interrupted; a launch needs up to 10
 
@@ -82,22 +85,28 @@ def _streamed(cmd: Sequence[str], session: Session, environment: dict[str, str])
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
-        errors="replace",
         start_new_session=True,  # an interrupt of the kernel's group is passed on by us, once
     )
-    lines: SimpleQueue[tuple[bool, str] | None] = SimpleQueue()
-    readers = [
-        threading.Thread(target=_read, args=(pipe, is_error, lines), daemon=True)
-        for pipe, is_error in ((process.stdout, False), (process.stderr, True))
-    ]
-    for reader in readers:
-        reader.start()
-    threading.Thread(target=_announce_end, args=(process, readers, lines), daemon=True).start()
+    assert process.stdout is not None and process.stderr is not None
+    lines: Lines = SimpleQueue()
+    streams = [(process.stdout, session.print), (process.stderr, session.warn)]
+    for pipe, write in streams.copy():
+
+        def take(line: str, write: Callable[[str], None] = write) -> None:
+            lines.put(partial(write, line))
+
+        def end() -> None:
+            streams.pop()
+            if not streams:
+                lines.put(None)
+
+        with pipe:
+            Reader(os.dup(pipe.fileno()), lambda: process.poll() is not None, take, end).start()
     try:
-        _write(session, lines)
+        _write(session.items(lines))
     except (KeyboardInterrupt, DurationOver) as why:
-        _interrupt(process, lines, session)
+        _signal_session(process, signal.SIGINT)
+        _write(_arriving(lines))
         if isinstance(why, DurationOver):
             return 0
     finally:
@@ -113,47 +122,21 @@ def _started(cmd: Sequence[str], **options: Any) -> subprocess.Popen[Any]:
         raise CommandError(f"cannot run {cmd[0]}: {error.strerror}") from None
 
 
-def _read(pipe: IO[str], is_error: bool, lines: SimpleQueue[tuple[bool, str] | None]) -> None:
-    with contextlib.suppress(ValueError):  # closed at the end
-        for line in pipe:
-            lines.put((is_error, line.rstrip("\n")))
-
-
-def _announce_end(
-    process: subprocess.Popen[str], readers: Sequence[threading.Thread], lines: SimpleQueue[tuple[bool, str] | None]
-) -> None:
-    process.wait()
-    for reader in readers:
-        reader.join(timeout=1)  # what it left behind may hold the pipes open
-    lines.put(None)
-
-
-def _write(session: Session, lines: SimpleQueue[tuple[bool, str] | None]) -> None:
-    for item in session.items(lines):
-        if item is None:
+def _write(lines: Iterable[Callable[[], None] | None]) -> None:
+    for write in lines:
+        if write is None:
             return
-        _write_line(session, item)
+        write()
 
 
-def _write_line(session: Session, item: tuple[bool, str]) -> None:
-    is_error, line = item
-    (session.warn if is_error else session.print)(line)
-
-
-def _interrupt(process: subprocess.Popen[str], lines: SimpleQueue[tuple[bool, str] | None], session: Session) -> None:
-    """Pass an interrupt on and write what still comes."""
-    _signal_session(process, signal.SIGINT)
+def _arriving(lines: Lines) -> Iterator[Callable[[], None] | None]:
+    """What still comes, within END_TIMEOUT."""
     deadline = time.monotonic() + END_TIMEOUT
     while (left := deadline - time.monotonic()) > 0:
-        try:
-            item = lines.get(timeout=min(left, 0.1))  # short, for a second interrupt to come through
-        except Empty:
-            continue
-        if item is None:
-            return
-        _write_line(session, item)
+        with contextlib.suppress(Empty):
+            yield lines.get(timeout=min(left, 0.1))  # short, for a second interrupt to come through
 
 
-def _signal_session(process: subprocess.Popen[str], number: signal.Signals) -> None:
+def _signal_session(process: subprocess.Popen[bytes], number: signal.Signals) -> None:
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, number)
