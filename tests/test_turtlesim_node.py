@@ -40,6 +40,7 @@ from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelative
 
+from course_kit.interface_types import type_name
 from course_kit.spinning.nodes import destroy
 from course_kit.turtlesim import TurtleSim
 from tests.waiting import TIMEOUT, wait_until
@@ -58,12 +59,6 @@ TURTLE_SERVICES = {
     "teleport_relative": TeleportRelative,
 }
 LOG_LEVELS = {20: "info", 30: "warn", 40: "error"}
-
-
-def type_name(kind: Any) -> str:
-    """geometry_msgs/msg/Twist of the class Twist."""
-    package, folder = kind.__module__.split(".")[:2]
-    return f"{package}/{folder}/{kind.__name__}"
 
 
 class Spinning:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from course_kit.background import running
+from course_kit.interface_types import type_name
 from course_kit.polling import wait_until
 from course_kit.programs import processes
 from course_kit.spinning import executors
@@ -97,7 +98,7 @@ def _hint(future: FutureLike) -> str:
     client = _client_of(future)
     if client is None:
         return "A future completes only while the node it belongs to runs: nodes() lists those that do."
-    kind = f"{client.srv_type.__module__.split('.')[0]}/srv/{client.srv_type.__name__}"
+    kind = type_name(client.srv_type)
     if client.service_is_ready():
         return "The service is there, but its callback has not returned: logs() shows its errors."
     return f"No node offers {client.srv_name} with the type {kind}: is the server running, under the same name?"

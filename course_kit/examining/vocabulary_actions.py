@@ -16,6 +16,7 @@ from course_kit.examining.introduction import meet
 from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import nearest, settle_timeout
 from course_kit.examining.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT
+from course_kit.interface_types import type_name
 
 WORDS = {
     GoalStatus.STATUS_UNKNOWN: "unknown",
@@ -39,7 +40,7 @@ def expect_action(name: str, action_type: Any) -> None:
     hint = f"Nobody offers the action `{name}`. {nearest(name, list(there))}"
     hint += f"Your node offers {', '.join(there)}. " if there else "Your node offers none. "
     now().settle(f"it offers the action `{name}`", name in there, f"{hint}`%ros2 action list -t` shows them.")
-    wanted = f"{action_type.__module__.split('.')[0]}/action/{action_type.__name__}"
+    wanted = type_name(action_type)
     now().settle(f"`{name}` has the type `{wanted}`", there[name] == [wanted], f"Its type is {', '.join(there[name])}.")
 
 

@@ -14,6 +14,7 @@ from course_kit.examining.examination import now
 from course_kit.examining.introduction import meet
 from course_kit.examining.station import Station
 from course_kit.examining.vocabulary import nearest, settle_timeout
+from course_kit.interface_types import type_name
 
 CONNECT_TIMEOUT = 5.0
 ANSWER_TIMEOUT = 5.0  # seconds; what is lost on a busy machine is sent again within 3
@@ -29,11 +30,6 @@ def _is_every_nodes(name: str) -> bool:
     return "parameter" in last or last == "get_type_description"
 
 
-def service_type_name(service_type: Any) -> str:
-    """Such as 'std_srvs/srv/SetBool'."""
-    return f"{service_type.__module__.split('.')[0]}/srv/{service_type.__name__}"
-
-
 def expect_service(name: str, service_type: Any) -> None:
     """The answer offers a service of this type."""
     now().wait(lambda: name in _services(), settle_timeout())
@@ -41,7 +37,7 @@ def expect_service(name: str, service_type: Any) -> None:
     hint = f"Nobody serves `{name}`. {nearest(name, list(there))}"
     hint += f"Your node serves {', '.join(there)}. " if there else "Your node has no service of its own. "
     now().settle(f"it serves `{name}`", name in there, f"{hint}`%ros2 service list -t` shows them.")
-    wanted = service_type_name(service_type)
+    wanted = type_name(service_type)
     hint = (
         f"Its type is {', '.join(there[name])}. A client of another type waits for ever: "
         f"`%ros2 service type {name}` shows it."

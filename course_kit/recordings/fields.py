@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from course_kit.interface_types import steps, type_name
 from course_kit.recordings.buffers import Serialised
 
 HEADER = 4  # bytes before the first field of a serialised message: encoding, options
@@ -81,26 +82,23 @@ def element_type(field_type: str) -> str:
 
 def resolve(message_type: Any, path: str) -> str:
     """The type of a numeric field; ValueError says what is there if it is none."""
-    current, type_name = message_type, name_of_type(message_type)
+    current, kind = message_type, type_name(message_type)
     done: list[str] = []
-    for name in path.split("."):
+    for name, _, _ in steps(path):
         fields = current.get_fields_and_field_types() if current is not None else {}
         if name not in fields:
-            raise ValueError(_no_field(name, done, type_name, fields))
+            raise ValueError(_no_field(name, done, kind, fields))
         done.append(name)
-        type_name = fields[name]
-        current = nested(type_name)
+        kind = fields[name]
+        current = nested(kind)
     if current is not None:
         inside = list(current.get_fields_and_field_types())
         raise ValueError(
-            f"{path} is a {type_name} and not a number; it has the fields {', '.join(inside)}: "
-            f"write '{path}.{inside[0]}'"
+            f"{path} is a {kind} and not a number; it has the fields {', '.join(inside)}: write '{path}.{inside[0]}'"
         )
-    if element_type(type_name) not in NUMBERS:
-        raise ValueError(
-            f"{path} is a {type_name} and not a number: read it with [m.{path} for m in recording.messages]"
-        )
-    return type_name
+    if element_type(kind) not in NUMBERS:
+        raise ValueError(f"{path} is a {kind} and not a number: read it with [m.{path} for m in recording.messages]")
+    return kind
 
 
 def _no_field(name: str, done: list[str], type_name: str, fields: dict[str, str]) -> str:
@@ -118,9 +116,3 @@ def nested(type_name: str) -> Any:
         return None
     package, name = type_name.split("/")
     return getattr(importlib.import_module(f"{package}.msg"), name)
-
-
-def name_of_type(message_type: Any) -> str:
-    """The name of a message class, such as 'std_msgs/msg/String'."""
-    package, kind = message_type.__module__.split(".")[:2]
-    return f"{package}/{kind}/{message_type.__name__}"

@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from course_kit.recordings.fields import NUMBERS, element_type, name_of_type, nested
+from course_kit.interface_types import Step, steps, type_name
+from course_kit.recordings.fields import NUMBERS, element_type, nested
 
 Reader = Callable[[Any], float]
-STEP = re.compile(r"([A-Za-z]\w*)(?:\[(-?\d+)\])?")
 SUGGESTED = 8  # fields named when none is near
 DEEPEST = 6  # messages inside messages
 
@@ -40,56 +40,47 @@ def parse(path: str) -> FieldPath:
     return FieldPath(topic if topic.startswith("/") else f"/{topic}", field)
 
 
-@dataclass(frozen=True)
-class _Step:
-    name: str
-    index: int | None
-
-
 def reader(message_type: Any, path: FieldPath) -> Reader:
     """A function that reads the number at `path` from a message; nan where an array is too short for its index.
 
     Raises ValueError, with a suggestion, for a field that is not there or is no single number.
     """
-    steps: list[_Step] = []
     current = message_type
-    for word in path.field.split("."):
-        found = STEP.fullmatch(word)
+    for step in steps(path.field):
         fields = current.get_fields_and_field_types() if current is not None else {}
-        if found is None or found[1] not in fields:
+        if step.name not in fields or len(step.indexes) > 1:
             raise ValueError(_not_there(message_type, path))
-        index = None if found[2] is None else int(found[2])
-        kind = fields[found[1]]
+        kind = fields[step.name]
         element = element_type(kind)
-        _check_index(path, word, kind, element, index)
-        steps.append(_Step(found[1], index))
+        _check_index(path, step, kind, element)
         current = nested(element)
     if current is not None or element not in NUMBERS:
         raise ValueError(_no_number(message_type, path, kind))
-    return functools.partial(_read, tuple(steps), element == "octet")
+    return functools.partial(_read, steps(path.field), element == "octet")
 
 
-def _read(steps: tuple[_Step, ...], is_octet: bool, message: Any) -> float:
+def _read(way: list[Step], is_octet: bool, message: Any) -> float:
     value = message
-    for step in steps:
+    for step in way:
         value = getattr(value, step.name)
-        if step.index is not None:
-            if not -len(value) <= step.index < len(value):
+        for index in step.indexes:
+            if not -len(value) <= index < len(value):
                 return math.nan
-            value = value[step.index]
+            value = value[index]
     return float(value[0] if is_octet else value)
 
 
-def _check_index(path: FieldPath, word: str, kind: str, element: str, index: int | None) -> None:
+def _check_index(path: FieldPath, step: Step, kind: str, element: str) -> None:
     """Raise ValueError for an index that nothing has, and for an array without one."""
+    index = step.indexes[0] if step.indexes else None
     if element == kind:
         if index is not None:
-            raise ValueError(f"{path}: {word.split('[')[0]} is one {kind} and no array: leave the [{index}] out")
+            raise ValueError(f"{path}: {step.name} is one {kind} and no array: leave the [{index}] out")
         return
     fixed = re.search(r"\[(\d+)\]$", kind)
     if index is None:
-        written = f"{path.topic}.{path.field.replace(word, f'{word}[0]', 1)}"
-        raise ValueError(f"{path}: {word} is an array ({kind}): say which element, as in '{written}'")
+        written = f"{path.topic}.{path.field.replace(step.name, f'{step.name}[0]', 1)}"
+        raise ValueError(f"{path}: {step.name} is an array ({kind}): say which element, as in '{written}'")
     if fixed and not -int(fixed[1]) <= index < int(fixed[1]):
         raise ValueError(f"{path}: {kind} has the elements [0] to [{int(fixed[1]) - 1}], and no [{index}]")
 
@@ -102,7 +93,7 @@ def _not_there(message_type: Any, path: FieldPath) -> str:
         hint = f" Did you mean {' or '.join(repr(f'{path.topic}.{field}') for field in near)}?"
     else:
         hint = f" Its numbers: {_some(numbers)}." if numbers else " It carries no number."
-    return f"{path.topic} ({name_of_type(message_type)}) {what}.{hint}"
+    return f"{path.topic} ({type_name(message_type)}) {what}.{hint}"
 
 
 def _no_number(message_type: Any, path: FieldPath, kind: str) -> str:

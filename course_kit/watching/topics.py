@@ -15,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
+from course_kit import interface_types
 from course_kit.polling import wait_until
 
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"  # as rmw has it
@@ -77,8 +78,7 @@ def type_name(message_type: Any) -> str:
         raise TypeError(
             f"{message_type!r} is not a message type: give a class such as std_msgs.msg.String, or its name"
         )
-    package, kind = message_type.__module__.split(".")[:2]
-    return f"{package}/{kind}/{message_type.__name__}"
+    return interface_types.type_name(message_type)
 
 
 def node_name(endpoint: TopicEndpointInfo) -> str:

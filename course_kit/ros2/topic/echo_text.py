@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from typing import Any
 
+from course_kit.interface_types import steps
 from course_kit.ros2.messages.yaml_text import Shown, to_csv, to_yaml
 from course_kit.ros2.verbs import CommandError
 
@@ -17,13 +17,12 @@ def selector(path: str | None) -> Callable[[Any], Any]:
     names = [name for name in path.split(".") if name]
     if not names:
         raise CommandError(f"Invalid field value '{path}'")
-    steps: list[str | int] = []
-    for name in names:
-        found = re.fullmatch(r"([^\[\]]+)((?:\[-?\d+\])+)", name)
-        steps += [found[1], *map(int, re.findall(r"-?\d+", found[2]))] if found else [name]
+    chosen: list[str | int] = []
+    for step in steps(".".join(names)):
+        chosen += [step.name, *step.indexes]
 
     def select(message: Any) -> Any:
-        for step in steps:
+        for step in chosen:
             try:
                 message = message[step] if isinstance(step, int) else getattr(message, step)
             except (AttributeError, IndexError, TypeError, KeyError) as error:
