@@ -7,13 +7,15 @@ from collections.abc import Callable
 
 from course_kit.spinning import context
 
-END_TIMEOUT = 5.0  # seconds for a last picture that is just being drawn
+END_TIMEOUT = 4.0  # seconds for a last picture that is just being drawn
 
 alive: list[Life] = []  # the oldest first
 
 
 class Life:
     """A thread that shows anew what there is, until stop(), an error, or the end of ROS; what was shown last stays."""
+
+    _thread: threading.Thread | None = None
 
     def _begin(self, name: str, rest: float) -> None:
         """Begin to live; `rest` seconds until the first look."""
@@ -34,10 +36,12 @@ class Life:
     @property
     def is_running(self) -> bool:
         """Whether it is still shown anew."""
-        return self._thread.is_alive()
+        return self._thread is not None and self._thread.is_alive()
 
     def stop(self) -> None:
         """End it; what was shown last stays. Safe to call twice."""
+        if self._thread is None:  # it has not begun
+            return
         self._ending.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(END_TIMEOUT)
