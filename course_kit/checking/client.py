@@ -83,17 +83,11 @@ class Checker:
 
     def _obey(self, order: Message, names: Mapping[str, Any]) -> None:
         """Do what is ordered; after its time is over, answer that it did not return and have it end."""
-        done = threading.Event()
-        answer: dict[str, Any] = {}
-
-        def finish(result: dict[str, Any]) -> None:
-            answer.update(result)
-            done.set()
-
-        obeying = stage.Obeying(order, names, finish)
-        if not done.wait(float(order["timeout"])):
+        obeying = stage.Obeying(order, names)
+        answer = obeying.wait(float(order["timeout"]))
+        if answer is None:
             obeying.interrupt()
-            done.wait(OBEY_GRACE)
+            obeying.wait(OBEY_GRACE)
             answer = {"error": "it did not return in time"}
         self._lines.send({"answer": order["order"], **answer})
 

@@ -190,11 +190,18 @@ _ORDERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Any]] = {
 class Obeying:
     """Obeys one order in a thread of its own, so that what a student wrote can neither block nor end the notebook."""
 
-    def __init__(
-        self, order: Mapping[str, Any], names: Mapping[str, Any], done: Callable[[dict[str, Any]], None]
-    ) -> None:
-        self._thread = threading.Thread(target=lambda: done(obey(order, names)), name="course_kit check", daemon=True)
+    def __init__(self, order: Mapping[str, Any], names: Mapping[str, Any]) -> None:
+        self._answer: dict[str, Any] | None = None
+        self._thread = threading.Thread(target=self._obey, args=(order, names), name="course_kit check", daemon=True)
         self._thread.start()
+
+    def _obey(self, order: Mapping[str, Any], names: Mapping[str, Any]) -> None:
+        self._answer = obey(order, names)
+
+    def wait(self, timeout: float) -> dict[str, Any] | None:
+        """The answer; None if it is not there after `timeout` seconds."""
+        self._thread.join(timeout)
+        return self._answer
 
     def interrupt(self) -> None:
         """Have it end, if it still runs: a Python loop at once, a sleep when it is over."""

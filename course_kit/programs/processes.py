@@ -10,9 +10,9 @@ import os
 import shlex
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from queue import SimpleQueue
 
 from course_kit.programs.child_process import KILL_TIMEOUT, PATIENCE, Process, dismiss_watcher
 
@@ -67,22 +67,13 @@ def run_through(
     command: Sequence[str], environment: Mapping[str, str], folder: Path, on_line: Callable[[str], None]
 ) -> Process:
     """Run a command to its end; `on_line` gets each line in this thread. An interrupt stops it and is passed on."""
-    arrived: deque[str] = deque()
-    more = threading.Event()
-
-    def take(line: str) -> None:
-        arrived.append(line)
-        more.set()
-
-    process = Process(command, shlex.join(command), environment, folder, take, in_terminal=False)
-    process.add_done_callback(lambda _: more.set())
+    lines: SimpleQueue[str | None] = SimpleQueue()
+    process = Process(command, shlex.join(command), environment, folder, lines.put, in_terminal=False)
+    process.add_done_callback(lambda _: lines.put(None))
     process.begin()
     try:
-        while process.is_running or arrived:
-            more.wait(1.0)
-            more.clear()
-            while arrived:
-                on_line(arrived.popleft())
+        for line in iter(lines.get, None):
+            on_line(line)
     finally:
         process.stop()
     return process
