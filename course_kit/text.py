@@ -1,4 +1,4 @@
-"""Tables as text."""
+"""Tables as text, and the line with which what is shown over time says that it failed."""
 
 from __future__ import annotations
 
@@ -13,3 +13,8 @@ def table(rows: Sequence[Sequence[str]], left: int = 1) -> str:
         cells = [c.ljust(w) if n < left else c.rjust(w) for n, (c, w) in enumerate(zip(row, widths, strict=True))]
         lines.append("  ".join(cells).rstrip())
     return "\n".join(lines)
+
+
+def stands_still(what: str, error: Exception) -> str:
+    """What is said where something that should go on has failed: that it did, why, and how to go on."""
+    return f"{what} stands still: {type(error).__name__}: {error}. Run its cell again to go on."

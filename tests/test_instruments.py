@@ -156,6 +156,24 @@ def test_reliable_and_best_effort_publishers_of_one_topic_are_both_heard(talker:
     subscription.close()
 
 
+def test_a_subscription_that_cannot_ask_for_less_ends_no_other_one(talker: Node) -> None:
+    stuck, sound = Listener(), Listener()
+    reliable = talker.create_publisher(String, "/stuck", 10)
+    steady = talker.create_publisher(String, "/steady", 10)
+    subscriptions = [instruments.subscribe("/stuck", stuck), instruments.subscribe("/steady", sound)]
+    subscriptions[0].topic = "no name of a topic"  # so that it cannot be opened again
+    best_effort = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    refused = talker.create_publisher(String, "/stuck", best_effort)
+    wait_until(lambda: any("no name of a topic" in str(e) for e in errors.errors()))
+    publish(steady, "goes on")
+    wait_until(lambda: sound.texts == ["goes on"])
+    publish(reliable, "goes on too")
+    wait_until(lambda: stuck.texts == ["goes on too"])
+    assert refused.get_subscription_count() == 0
+    for subscription in subscriptions:
+        subscription.close()
+
+
 def test_a_latched_message_from_before_is_received() -> None:
     listener = Listener()
     with Sender("/latched", "string", count=1, qos="latched") as sender:

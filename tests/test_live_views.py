@@ -134,6 +134,37 @@ def test_the_log_console_sets_levels(kernel: Kernel) -> None:
     kernel.run("panel.close()")
 
 
+def test_a_turtle_that_cannot_be_drawn_is_said_to_stand_still(kernel: Kernel) -> None:
+    kernel.run("from course_kit.live.turtle import drive\npanel = drive()")
+    kernel.until(lambda: "heading 0.00 rad" in value(kernel, "panel._line.value"), 20)
+    nowhere = "[robot.poses.publish(Pose(theta=float('nan'))) for _ in range(100)] and panel._line.value"
+    kernel.until(lambda: "stands still: ValueError: " in value(kernel, nowhere), 20)
+    assert "Run its cell again to go on." in value(kernel, "panel._line.value")
+    kernel.run("panel = drive()")
+    kernel.until(lambda: "heading 0.00 rad" in value(kernel, "panel._line.value"), 20)
+    kernel.run("panel.close()")
+
+
+def test_a_log_console_that_cannot_be_drawn_is_said_to_stand_still(kernel: Kernel) -> None:
+    kernel.run("panel = watch_logs()\npanel.shown = lambda: 1 / 0")
+    kernel.until(lambda: "stands still: ZeroDivisionError: " in value(kernel, "panel._answer.value"), 20)
+    assert "Run its cell again to go on." in value(kernel, "panel._answer.value")
+    kernel.run("panel.close()")
+
+
+def test_the_console_of_a_node_says_why_it_stands_still_and_goes_on(kernel: Kernel) -> None:
+    cell = kernel.run(
+        "class Second(Node):\n    def __init__(self):\n        super().__init__('second')\n"
+        "        self.create_timer(0.05, lambda: self.get_logger().info('still here'))\nsecond = run(Second)"
+    )
+    kernel.until(lambda: "still here" in of_view(kernel, cell), 20)
+    kernel.run("from course_kit.live import console\nconsole._consoles['/second'].state = 'unheard of'")
+    kernel.until(lambda: "stands still: KeyError: " in of_view(kernel, cell), 20)
+    kernel.run("console._consoles['/second'].state = 'running'")
+    kernel.until(lambda: "still here" in of_view(kernel, cell), 20)
+    kernel.run("stop(second)")
+
+
 def test_a_cell_that_is_run_again_replaces_its_view(kernel: Kernel) -> None:
     kernel.run("first = watch_rates('/goal', period=0.2)")
     kernel.run("second = watch_rates('/goal', period=0.2)")

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import psutil  # type: ignore[import-untyped]
@@ -19,7 +20,7 @@ from course_kit.internals.fastdds_parts import Origin
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 from course_kit.recordings.meters import measure_rates
-from course_kit.resources import processes_with_nodes
+from course_kit.resources import processes_with_nodes, resource_recording
 from course_kit.resources.processes_with_nodes import NOTEBOOK, listens
 from course_kit.resources.resource_plots import plot_resources
 from course_kit.resources.resource_recording import record_resources
@@ -149,6 +150,18 @@ def test_a_process_that_comes_later_joins_and_one_that_ends_stays(busy: Process)
 def test_a_recording_that_nobody_holds_ends(busy: Process) -> None:
     thread = record_resources(period=0.05)._sampler.thread
     wait_until(lambda: not thread.is_alive())
+
+
+def test_a_recording_that_fails_says_so_and_how_to_go_on(busy: Process, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> NoReturn:
+        raise RuntimeError("no graph")
+
+    monkeypatch.setattr(resource_recording, "node_processes", fail)
+    recorded = record_resources(period=0.05)
+    wait_until(lambda: not recorded.is_running)
+    assert repr(recorded).splitlines()[-1] == (
+        "This recording stands still: RuntimeError: no graph. Run its cell again to go on."
+    )
 
 
 def test_usage_is_drawn_beside_the_rates(busy: Process) -> None:

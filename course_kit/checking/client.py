@@ -16,7 +16,7 @@ from typing import Any
 from course_kit.colcon import sourcing
 from course_kit.environment.activation import split_paths
 from course_kit.examining import stage
-from course_kit.examining.lines import Closed, Lines, Message
+from course_kit.examining.lines import Closed, Lines, Message, TooLong
 from course_kit.examining.verdict import NOT_LOOKED_AT, Verdict
 from course_kit.programs.child_process import Process
 
@@ -60,6 +60,8 @@ class Checker:
         try:
             self._lines.send({"check": exercise, "value": value, "folder": os.getcwd()})
             return self._converse(names)
+        except TooLong as error:
+            raise Refused(f"the value cannot be checked: {error}") from None
         except Closed:
             raise Stuck("the checker has ended") from None
 
@@ -89,7 +91,10 @@ class Checker:
             obeying.interrupt()
             obeying.wait(OBEY_GRACE)
             answer = {"error": "it did not return in time"}
-        self._lines.send({"answer": order["order"], **answer})
+        try:
+            self._lines.send({"answer": order["order"], **answer})
+        except TooLong as error:
+            self._lines.send({"answer": order["order"], "error": f"what it gave cannot be looked at: {error}"})
 
     def close(self, patience: float = 4.0) -> None:
         """End it: it leaves ROS in good order when the socket closes, and is killed if it does not."""

@@ -19,19 +19,30 @@ class Closed(Exception):  # noqa: N818  (reads as what happened)
     """The other side has gone."""
 
 
+class TooLong(ValueError):  # noqa: N818
+    """A message is longer than the other side would take."""
+
+
 class Lines:
     """One end. Any thread sends, one thread receives."""
 
     def __init__(self, end: socket.socket) -> None:
         self._socket = end
+        self._arrivals = select.poll()  # select() knows no descriptors above 1023
+        self._arrivals.register(end, select.POLLIN)
         self._rest = b""
         self._lock = threading.Lock()
 
     def send(self, message: Message) -> None:
-        """Send one message. Raises Closed if nobody is there to receive it."""
+        """Send one message. Raises Closed if nobody is there to receive it, TooLong for what nobody would take."""
+        line = json.dumps(message).encode() + b"\n"
+        if len(line) > LONGEST:
+            raise TooLong(
+                f"it is {len(line) / 1e6:.0f} MB long as text, and a check takes {LONGEST / 1e6:.0f} MB at most"
+            )
         with self._lock:
             try:
-                self._socket.sendall(json.dumps(message).encode() + b"\n")
+                self._socket.sendall(line)
             except OSError:
                 raise Closed from None
 
@@ -40,14 +51,14 @@ class Lines:
         deadline = math.inf if timeout is None else time.monotonic() + timeout
         while b"\n" not in self._rest:
             left = None if timeout is None else max(0.0, deadline - time.monotonic())
-            if not select.select([self._socket], [], [], left)[0]:
+            if not self._arrivals.poll(None if left is None else math.ceil(left * 1000)):
                 return None
             try:
                 read = self._socket.recv(CHUNK)
             except OSError:
                 raise Closed from None
             self._rest += read
-            if not read or len(self._rest) > LONGEST:
+            if not read or len(self._rest) > LONGEST + CHUNK:
                 raise Closed
         line, _, self._rest = self._rest.partition(b"\n")
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import threading
 from collections import deque
-from typing import Any, Protocol
+from typing import Any
 
 from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
@@ -13,6 +13,7 @@ from IPython.display import DisplayHandle, display
 from course_kit.background import running
 from course_kit.node_logs import rosout
 from course_kit.spinning import context, errors
+from course_kit.text import stands_still
 
 LAST_LINES = 8
 # Seconds between two updates of a console: a node may log a thousand times a second.
@@ -20,7 +21,28 @@ PERIOD = 0.25
 STATES = {"running": "▶", "stopped": "■", "failed": "✘"}
 
 
-class Console:
+class Shown:
+    """What stands under a cell and changes."""
+
+    def __init__(self) -> None:
+        self._handle: DisplayHandle | None = display(self.bundle(), raw=True, display_id=True)
+
+    def bundle(self) -> dict[str, str]:
+        """It as plain text and as HTML."""
+        raise NotImplementedError
+
+    def update(self) -> None:
+        """Show the present state in the cell where it stands."""
+        if self._handle is None:
+            return
+        try:
+            shown = self.bundle()
+        except Exception as error:  # there is no other place where it could be seen
+            shown = {"text/plain": stands_still("This", error)}
+        self._handle.update(shown, raw=True)
+
+
+class Console(Shown):
     """What is shown for one node."""
 
     def __init__(self, name: str, cell: str) -> None:
@@ -28,7 +50,7 @@ class Console:
         self.cell = cell
         self.state = "running"
         self.lines: deque[rosout.LogLine] = deque(maxlen=LAST_LINES)
-        self._handle: DisplayHandle | None = display(self.bundle(), raw=True, display_id=True)
+        super().__init__()
 
     def bundle(self) -> dict[str, str]:
         """The console as plain text and as HTML."""
@@ -41,17 +63,6 @@ class Console:
             "text/plain": "\n".join(text),
             "text/html": f"<pre class='course-kit-console' style='margin:0'>{''.join(shown)}</pre>",
         }
-
-    def update(self) -> None:
-        """Show the present state in the cell where the console stands."""
-        if self._handle is not None:
-            self._handle.update(self.bundle(), raw=True)
-
-
-class Shown(Protocol):
-    """What stands under a cell and changes."""
-
-    def update(self) -> None: ...
 
 
 _consoles: dict[str, Console] = {}

@@ -13,6 +13,7 @@ from rclpy.node import Node
 from course_kit.live.life import Life, stop_all
 from course_kit.ros_graph.graph_data import Snapshot
 from course_kit.ros_graph.graph_plots import draw_graph, look, observer
+from course_kit.text import stands_still
 
 PERIOD = 0.2  # seconds between two looks at the graph; one takes 10 ms for 60 nodes
 PARAMETERS = 1.0  # where each look asks all nodes for their parameters
@@ -49,7 +50,7 @@ class GraphView(Life, VBox):
             self._say("stopped")
         else:
             gone = isinstance(error, InvalidHandle) or not self._watching.context.ok()
-            self._say(f"stopped: {'ROS was shut down' if gone else f'{type(error).__name__}: {error}'}")
+            self._say("stopped: ROS was shut down" if gone else stands_still("The picture", error))
 
     def _update(self, now: Snapshot) -> None:
         """Draw if anything that can be seen has changed."""

@@ -12,6 +12,7 @@ from course_kit.live.life import Life, alive
 from course_kit.node_logs import rosout
 from course_kit.node_logs.rosout import LEVELS, LogLines
 from course_kit.spinning import context
+from course_kit.text import stands_still
 
 PERIOD = 0.25  # seconds between two looks: nodes may log a thousand times a second
 SHOWN = 200  # lines
@@ -74,7 +75,7 @@ class LogPanel(Life, VBox):
     def _end(self, error: Exception | None) -> None:
         rosout.unlisten(self._on_change)
         if error is not None:
-            self._say(f"ended: {error}")
+            self._say(stands_still("The console", error))
 
     def _set_level(self, change: dict[str, Any]) -> None:
         if change["new"] == LEAVE:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import html
 
-from IPython.display import DisplayHandle, display
-
-from course_kit.live.console import current_cell, refresh
+from course_kit.live.console import Shown, current_cell, refresh
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 
@@ -14,13 +12,13 @@ LAST_LINES = 12
 SIGNS = {"running": "▶", "stopped": "■", "ended": "■", "failed": "✘"}
 
 
-class ProcessConsole:
+class ProcessConsole(Shown):
     """What is shown for one process."""
 
     def __init__(self, process: Process, cell: str) -> None:
         self.process = process
         self.cell = cell
-        self._handle: DisplayHandle | None = display(self.bundle(), raw=True, display_id=True)
+        super().__init__()
 
     def bundle(self) -> dict[str, str]:
         """The console as plain text and as HTML."""
@@ -32,11 +30,6 @@ class ProcessConsole:
             "text/plain": "\n".join([head, *lines]),
             "text/html": f"<pre class='course-kit-console' style='margin:0'>{shown}</pre>",
         }
-
-    def update(self) -> None:
-        """Show the present state in the cell where the console stands."""
-        if self._handle is not None:
-            self._handle.update(self.bundle(), raw=True)
 
 
 _consoles: dict[str, ProcessConsole] = {}

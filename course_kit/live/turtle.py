@@ -15,6 +15,7 @@ from turtlesim.msg import Pose
 
 from course_kit.background import running
 from course_kit.live.life import Life, stop_all
+from course_kit.text import stands_still
 from course_kit.turtlesim import Teleop, teleop
 from course_kit.turtlesim.field import METER, SIZE
 from course_kit.turtlesim.picture import turtle_image
@@ -61,7 +62,7 @@ class TurtlePanel(Life, VBox):
         self._subscription.close()
         running.stop(self.teleop)
         if error is not None:
-            self._line.value = f"<code>ended: {html.escape(str(error))}</code>"
+            self._line.value = f"<code>{html.escape(stands_still('The picture', error))}</code>"
 
     def _pad(self) -> GridBox:
         """The arrow buttons, laid out as the keys are."""

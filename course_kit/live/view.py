@@ -14,6 +14,7 @@ from IPython.display import DisplayHandle, display
 
 from course_kit.figures import SCREEN_DPI, Plot
 from course_kit.live.life import Life, stop_all
+from course_kit.text import stands_still
 
 Bundle = dict[str, Any]
 LONGEST = 600.0  # seconds after which a view that was forgotten ends
@@ -61,7 +62,7 @@ class LiveView(Life):
         except Exception as last:
             error = last
         if error is not None:
-            self._update({"text/plain": f"{self.what} ended: {error}"})
+            self._update(as_text(stands_still(f"The view of {self.what}", error)))
         self._close()
 
     def _update(self, bundle: Bundle) -> None:

@@ -22,7 +22,7 @@ from course_kit.background import running
 from course_kit.recordings.buffers import Int64s
 from course_kit.resources.processes_with_nodes import NOTEBOOK, NodeProcess, node_processes
 from course_kit.spinning import context
-from course_kit.text import table
+from course_kit.text import stands_still, table
 
 Float64s = npt.NDArray[np.float64]
 PERIOD = 0.5  # seconds between two looks
@@ -87,14 +87,14 @@ class _Sampler:
         looked = -LOOK_PERIOD
         due = time.monotonic()
         while True:
-            if time.monotonic() - looked >= LOOK_PERIOD:
-                try:
+            try:
+                if time.monotonic() - looked >= LOOK_PERIOD:
                     self.look()
-                except Exception as error:  # ROS was shut down
-                    self.error = error
-                    return
-                looked = time.monotonic()
-            self.sample()
+                    looked = time.monotonic()
+                self.sample()
+            except Exception as error:  # ROS was shut down, for instance
+                self.error = error
+                return
             due = max(due + self.period, time.monotonic())
             if self.ending.wait(due - time.monotonic()):
                 self.sample()
@@ -229,6 +229,8 @@ class ResourceRecording(Mapping[str, Usage]):
         for unknown in self._sampler.without_pid:
             by_reason[unknown.program] += unknown.nodes
         lines += [f"{reason}: {', '.join(names)}" for reason, names in by_reason.items()]
+        if self._sampler.error is not None:
+            lines.append(stands_still("This recording", self._sampler.error))
         return "\n".join(lines)
 
 

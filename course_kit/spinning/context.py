@@ -6,7 +6,7 @@ import atexit
 import contextlib
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 
 import rclpy
 from rclpy.context import Context
@@ -55,16 +55,33 @@ def separate(domain: int | None, reach: str | None) -> Context:
     `reach` is its ROS_AUTOMATIC_DISCOVERY_RANGE, whatever the environment says; None: as the environment says.
     """
     made = Context()
-    with _lock:
-        before = {name: os.environ.pop(name, None) for name in (REACH if reach else ())}
-        os.environ.update({RANGE: reach} if reach else {})
-        try:
-            _plain_init(args=ARGUMENTS, context=made, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
-        finally:
-            for name, value in before.items():
-                os.environ.pop(name, None)
-                os.environ.update({name: value} if value is not None else {})
+    with _lock, contextlib.nullcontext() if reach is None else _reaching(reach):
+        _plain_init(args=ARGUMENTS, context=made, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
     return made
+
+
+@contextlib.contextmanager
+def _reaching(reach: str) -> Iterator[None]:
+    """Have contexts that are made inside reach so far.
+
+    rclpy has no other way to say so than the variables that rcl reads. They change for rcl and not in os.environ, so
+    no program that another thread starts meanwhile from there gets them; and not at all where they are so already.
+    """
+    wanted = {**dict.fromkeys(REACH), RANGE: reach}
+    others = {name: value for name, value in wanted.items() if os.environ.get(name) != value}
+    try:
+        _put(others)
+        yield
+    finally:
+        _put({name: os.environ.get(name) for name in others})
+
+
+def _put(variables: Mapping[str, str | None]) -> None:
+    for name, value in variables.items():
+        if value is None:
+            os.unsetenv(name)
+        else:
+            os.putenv(name, value)
 
 
 def before_stop(closer: Callable[[], None]) -> None:

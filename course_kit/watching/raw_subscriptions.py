@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from rclpy.event_handler import QoSSubscriptionEventType
@@ -90,9 +90,7 @@ class RawSubscription:
         node = self._watcher.node
         try:
             with node.handle:
-                self._handle = _rclpy.Subscription(
-                    node.handle, self.message_type, self.topic, self._qos.get_c_qos_profile()
-                )
+                handle = _rclpy.Subscription(node.handle, self.message_type, self.topic, self._qos.get_c_qos_profile())
         except _rclpy.RCLError:
             if self.type in dict(node.get_topic_names_and_types()).get(self.topic, [self.type]):
                 raise
@@ -100,19 +98,16 @@ class RawSubscription:
                 f"{self.topic} is used in this process with another type than {self.type}, and a topic has one type"
             ) from None
         kinds = QoSSubscriptionEventType
-        with self._handle:
-            self._refused = _rclpy.EventHandle(self._handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS)
-            self._missed = _rclpy.EventHandle(self._handle, kinds.RCL_SUBSCRIPTION_MESSAGE_LOST)
+        with handle:
+            refused = _rclpy.EventHandle(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS)
+            missed = _rclpy.EventHandle(handle, kinds.RCL_SUBSCRIPTION_MESSAGE_LOST)
+        self._handle, self._refused, self._missed = handle, refused, missed
+        self._handles = (refused, missed, handle)  # in the order in which they end
         self._lost_before = self.lost
-
-    def destroy(self) -> None:
-        """Have the middleware end the subscription once nothing takes from it."""
-        for handle in (self._refused, self._missed, self._handle):
-            handle.destroy_when_not_in_use()
 
     def finish(self) -> None:
         """Destroy it for good and release who waits for that."""
-        self.destroy()
+        _destroy(self._handles)
         self.closed.set()
 
     @contextlib.contextmanager
@@ -158,8 +153,19 @@ class RawSubscription:
         else:
             return
         self.drain(on_error)
-        self.destroy()
-        self._open()
+        before = self._handles
+        try:
+            self._open()
+        except Exception as error:  # what came until now goes on coming, of this topic and of the others
+            on_error(error)
+        else:
+            _destroy(before)
+
+
+def _destroy(handles: Iterable[Any]) -> None:
+    """Have the middleware end a subscription once nothing takes from it."""
+    for handle in handles:
+        handle.destroy_when_not_in_use()
 
 
 class Watcher:

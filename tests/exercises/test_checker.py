@@ -217,6 +217,9 @@ def test_bad_questions_get_a_clear_line(kernel: Kernel):
     )
     assert "takes no value" in shown(kernel, 'check("topics-1", 3)')
     assert "object is no plain value" in shown(kernel, 'check("setup-1", object())')
+    assert shown(kernel, 'check("setup-1", "x" * 11_000_000)') == (
+        "check: the value cannot be checked: it is 11 MB long as text, and a check takes 10 MB at most"
+    )
 
 
 def test_strict_raises_for_what_is_begun_and_not_right(kernel: Kernel):

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+import os
+import resource
 import socket
+import threading
 from collections import namedtuple
 from pathlib import Path
 
@@ -15,7 +19,7 @@ from course_kit.checking import progress
 from course_kit.examining import paths
 from course_kit.examining.examination import beside_the_notebook
 from course_kit.examining.exercise import LEVELS
-from course_kit.examining.lines import Closed, Lines, as_json
+from course_kit.examining.lines import LONGEST, Closed, Lines, TooLong, as_json
 from course_kit.examining.verdict import NOT_BEGUN, Finding, Verdict, in_code
 
 Pose = namedtuple("Pose", "x y theta")
@@ -85,6 +89,33 @@ def test_lines_carry_messages_and_notice_the_end():
     ours.close()
     with pytest.raises(Closed):
         other.receive(1)
+
+
+def test_messages_come_also_where_a_thousand_files_are_open():
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(2048, hard), hard))
+    with contextlib.ExitStack() as opened:
+        opened.callback(resource.setrlimit, resource.RLIMIT_NOFILE, (soft, hard))
+        while opened.enter_context(open(os.devnull)).fileno() <= 1024:
+            pass
+        ours, theirs = map(opened.enter_context, socket.socketpair())
+        assert theirs.fileno() > 1023
+        Lines(ours).send({"a": 1})
+        other = Lines(theirs)
+        assert other.receive(10) == {"a": 1} and other.receive(0.01) is None
+
+
+def test_what_is_too_long_is_not_sent_and_what_may_be_sent_is_received():
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        one, other = Lines(ours), Lines(theirs)
+        with pytest.raises(TooLong, match=r"it is 10 MB long as text, and a check takes 10 MB at most"):
+            one.send({"value": "x" * LONGEST})
+        longest = {"value": "x" * (LONGEST - len('{"value": ""}\n'))}
+        thread = threading.Thread(target=one.send, args=[longest])
+        thread.start()
+        assert other.receive(60) == longest
+        thread.join()
 
 
 def circle(turns: float, radius: float, x: float = 0.0, y: float = 0.0, heading: float = 0.0) -> list[Pose]:
