@@ -289,7 +289,7 @@ run_tests() {
     types=$!
     trap 'kill "$types" 2> /dev/null || true' EXIT
     "$python" -m pytest "${beside[@]}" "$@" || failed=$?
-    wait "$types" || { cat build/mypy.log && failed=1; }
+    wait "$types" || { cat build/mypy.log >&2 && failed=1; }
     exit "$failed"
 }
 

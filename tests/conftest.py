@@ -58,8 +58,10 @@ def pytest_configure(config: pytest.Config) -> None:
 
         limit = CHANGED_LIMIT * (config.getoption("numprocesses", None) or 1)
         chosen, left = nearest(lambda group: SECONDS.get(group, SHORT), limit)
+        if not chosen:
+            pytest.exit("Nothing has changed that a test depends on.", returncode=0)
         os.environ[GROUPS] = json.dumps(chosen)
-        print(f"Changes can break: {', '.join(chosen) or 'no test'}.")
+        print(f"Changes can break: {', '.join(chosen)}.")
         print(f"Further away, and left to a run of all: {', '.join(left) or 'none'}.")
 
 

@@ -10,24 +10,32 @@ from contextlib import contextmanager
 
 import pytest
 
+OF_TESTS = range(2, 102)  # without port clashes
+
 _locks: list[socket.socket] = []  # kept open as long as the process lives
 
 
-def reserve_domain() -> int:
-    """A domain of one's own: 2 to 101, the range without port clashes. RuntimeError when all are taken.
+def take(domain: int) -> bool:
+    """Take a domain for as long as this process lives, unless another test process has it.
 
     It is taken by a socket with the domain's name, which has no file and goes with its process.
     """
-    start = os.getpid() % 100
-    for step in range(100):
-        domain = 2 + (start + step) % 100
-        lock = socket.socket(socket.AF_UNIX)
-        with contextlib.suppress(OSError):  # another test process has it
-            lock.bind(f"\0course-kit-test-domain-{domain}")
-            _locks.append(lock)
+    lock = socket.socket(socket.AF_UNIX)
+    with contextlib.suppress(OSError):
+        lock.bind(f"\0course-kit-test-domain-{domain}")
+        _locks.append(lock)
+        return True
+    lock.close()
+    return False
+
+
+def reserve_domain() -> int:
+    """A domain of one's own. RuntimeError when all are taken."""
+    start = os.getpid() % len(OF_TESTS)
+    for domain in (*OF_TESTS[start:], *OF_TESTS[:start]):
+        if take(domain):
             return domain
-        lock.close()
-    raise RuntimeError("100 test processes run already: no ROS domain is left")
+    raise RuntimeError(f"{len(OF_TESTS)} test processes run already: no ROS domain is left")
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -15,9 +16,13 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
+from course_kit.ending import shared_memory
 from course_kit.polling import wait_until
+from tests import domains
 
 MARK = "COURSE_KIT_TEST_RUN"
+FIRST_PORT, PORTS = 7400, 250  # of domain 0, and of each domain
+PORT, SEGMENT = re.compile(r"fastrtps_port\d+"), re.compile(r"fastrtps_[0-9a-f]{16}")
 SERVANTS = ("multiprocessing", "programs/orphans.py")  # end with the process that they serve
 KEPT = Path(__file__).parents[1] / "build/failed-tests"
 
@@ -38,8 +43,30 @@ def keep_files() -> None:
 
 
 def remove_shared_memory() -> None:
-    """Remove what killed processes had in shared memory; Fast DDS's own command leaves alone what is in use."""
-    subprocess.run(["fastdds", "shm", "clean"], stdout=subprocess.DEVNULL, check=True, timeout=60)
+    """Remove what killed processes had in shared memory: segments, and ports in domains that no test process has."""
+
+    def are_gone() -> bool:
+        shared_memory.tidy()
+        return not _unused(SEGMENT)
+
+    wait_until(are_gone, shared_memory.NEW + 1.0, poll=0.5)
+    for port in _unused(PORT):
+        domain = (int(port.name.removeprefix("fastrtps_port")) - FIRST_PORT) // PORTS
+        if domain in domains.OF_TESTS and domains.take(domain):
+            for name in (port.name, f"{port.name}_el", f"sem.{port.name}_mutex"):
+                port.with_name(name).unlink(missing_ok=True)
+
+
+def _unused(kind: re.Pattern[str]) -> list[Path]:
+    """This user's files of a kind in Fast DDS's shared memory, of which no process holds the lock."""
+    held = {line.split()[5].rpartition(":")[2] for line in Path("/proc/locks").read_text().splitlines()}
+    found = []
+    for path in shared_memory.FOLDER.iterdir():
+        lock = path.with_name(f"{path.name}_el")
+        with contextlib.suppress(FileNotFoundError):
+            if kind.fullmatch(path.name) and path.stat().st_uid == os.getuid():
+                found += [] if lock.exists() and str(lock.stat().st_ino) in held else [path]
+    return found
 
 
 def end_processes() -> list[str]:
