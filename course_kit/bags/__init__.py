@@ -130,10 +130,11 @@ def read(path: str | os.PathLike[str], *names: str) -> Iterator[tuple[str, int, 
 def play(path: str | os.PathLike[str], *names: str, rate: float = 1.0, tick: Callable[[], None] | None = None) -> None:
     """Publish the messages of a bag as they were recorded, `rate` times as fast; returns when the last one is out."""
     from course_kit.bags.player import Player, PlayOptions
+    from course_kit.bags.selection import Selection
 
     if rate <= 0:
         raise ValueError(f"a bag plays at a rate above 0, not {rate:g}")
-    options = PlayOptions(rate=rate, topics=[topics.absolute(name) for name in names])
+    options = PlayOptions(rate, selection=Selection([topics.absolute(name) for name in names], every=not names))
     with opened(path) as bag:
         player = Player(bag, options, lambda line: None)
         try:

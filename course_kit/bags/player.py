@@ -6,9 +6,8 @@ ahead, the calling thread waits and publishes.
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,6 +19,7 @@ from course_kit.bags import qos as bag_qos
 from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
 from course_kit.bags.recorder import LogLine
+from course_kit.bags.selection import Selection
 from course_kit.spinning import context
 from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
@@ -37,23 +37,12 @@ class PlayOptions:
     delay: float = 0.0
     start_offset: float = 0.0
     duration: float | None = None
-    topics: Collection[str] = ()
-    exclude_topics: Collection[str] = ()
-    regex: str = ""
-    exclude_regex: str = ""
+    selection: Selection = field(default_factory=lambda: Selection(every=True))
     remap: Mapping[str, str] = field(default_factory=dict)
     overrides: Mapping[str, QoSProfile] = field(default_factory=dict)
     clock_rate: float = 0.0
     read_ahead: int = READ_AHEAD
     starts_paused: bool = False
-
-    def takes(self, topic: str) -> bool:
-        """Whether a topic of the bag is to be played."""
-        if topic in self.exclude_topics or (self.exclude_regex and re.search(self.exclude_regex, topic)):
-            return False
-        if not self.topics and not self.regex:
-            return True
-        return topic in self.topics or bool(self.regex and re.search(self.regex, topic))
 
 
 class BagClock:
@@ -125,7 +114,7 @@ class Player:
 
     def _publisher(self, connection: Any) -> Publisher | None:
         topic = connection.topic
-        if not self.options.takes(topic):
+        if not self.options.selection.takes(topic, connection.msgtype):
             return None
         try:
             message_type = topics.message_class(connection.msgtype)

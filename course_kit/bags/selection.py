@@ -1,4 +1,4 @@
-"""Which topics a bag is made of, by their names and types. Imports no ROS."""
+"""Which topics of a graph are recorded, or of a bag played, by their names and types. Imports no ROS."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Selection:
-    """Which topics to record: the names, types or regex given, or all; minus what is excluded."""
+    """Which topics to record or play: the names, types or regex given, or all; minus what is excluded."""
 
     names: Collection[str] = ()
     types: Collection[str] = ()
@@ -23,7 +23,7 @@ class Selection:
     without_leaves: bool = False
 
     def takes(self, topic: str, type_name: str) -> bool:
-        """Whether a topic is to be recorded, as far as its name and type tell."""
+        """Whether a topic is taken, as far as its name and type tell."""
         if topic in self.exclude_names or type_name in self.exclude_types:
             return False
         if self.exclude_regex and re.search(self.exclude_regex, topic):

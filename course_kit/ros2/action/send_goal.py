@@ -37,8 +37,7 @@ def _arguments(parser: ArgumentParser) -> None:
 def _run(args: Namespace, session: Session) -> None:
     from rclpy.action import ActionClient
 
-    from course_kit.ros2.messages.arguments import filled, parsed
-    from course_kit.ros2.messages.classes import checked_name, interface_class
+    from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
 
     kind = interface_class(args.action_type, "action")

@@ -203,6 +203,7 @@ def _act(key: str, player: Player) -> None:
 def _options(args: Namespace) -> PlayOptions:
     """What the command line asks for; CommandError for what cannot be."""
     from course_kit.bags.player import PlayOptions
+    from course_kit.bags.selection import Selection
     from course_kit.watching import topics
 
     try:
@@ -219,10 +220,13 @@ def _options(args: Namespace) -> PlayOptions:
             delay=args.delay,
             start_offset=args.start_offset,
             duration=None if args.playback_duration < 0 else args.playback_duration,
-            topics=[topics.absolute(name) for name in args.topics],
-            exclude_topics=[topics.absolute(name) for name in args.exclude_topics],
-            regex=args.regex,
-            exclude_regex=args.exclude_regex,
+            selection=Selection(
+                [topics.absolute(name) for name in args.topics],
+                regex=args.regex,
+                every=not (args.topics or args.regex),
+                exclude_names=[topics.absolute(name) for name in args.exclude_topics],
+                exclude_regex=args.exclude_regex,
+            ),
             remap=remap,
             overrides=qos_overrides(args.qos_profile_overrides_path),
             clock_rate=args.clock,

@@ -1,13 +1,57 @@
-"""Messages that a command line gives as YAML."""
+"""What a command line says of a message, checked: its type, the name it goes to, its values as YAML."""
 
 from __future__ import annotations
 
+import importlib
 import sys
 from argparse import Namespace
 from typing import Any
 
 from course_kit.ros2.messages.values import NotYaml, parse, populate
-from course_kit.ros2.verbs import CommandError
+from course_kit.ros2.verbs import CommandError, did_you_mean
+
+_PARTS = {"msg": (), "srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
+_NOUNS = {"msg": "message", "srv": "service", "action": "action"}
+
+
+def interface_class(name: str, kind: str) -> Any:
+    """The class of a type such as 'std_msgs/msg/String' or 'std_msgs/String'; `kind` is msg, srv or action.
+
+    Raises CommandError for a type that is not installed, is misspelt or is of another kind.
+    """
+    parts = name.split("/")
+    if len(parts) == 2:
+        parts.insert(1, kind)
+    try:
+        found = getattr(importlib.import_module(".".join(parts[:-1])), parts[-1])
+    except (AttributeError, ImportError, TypeError, ValueError):
+        found = None
+    if found is None and parts[1:2] == [kind]:
+        raise CommandError(f"The passed {_NOUNS[kind]} type is invalid", _suggestion("/".join(parts), kind))
+    if len(parts) != 3 or parts[1] != kind or not all(hasattr(found, part) for part in _PARTS[kind]):
+        if kind == "srv" and found is not None:
+            raise CommandError("The passed type is not a service")
+        raise CommandError(f"The passed {_NOUNS[kind]} type is invalid", _suggestion("/".join(parts), kind))
+    return found
+
+
+def _suggestion(name: str, kind: str) -> str | None:
+    from course_kit.ros2.interface.interface import types
+
+    return did_you_mean(name, types([kind]))
+
+
+def checked_name(name: str, noun: str) -> str:
+    """The name of a service or an action as it was given. Raises CommandError for what cannot be one."""
+    from rclpy.exceptions import InvalidTopicNameException
+    from rclpy.validate_topic_name import validate_topic_name
+
+    try:
+        validate_topic_name(name)
+    except InvalidTopicNameException as error:
+        reason = str(error).split("\n")[0].rstrip(":").partition(": topic name ")[2]
+        raise CommandError(f"Invalid {noun} name '{name}': it {reason}") from None
+    return name
 
 
 def parsed(args: Namespace, text: str, refusal: str = "The passed value is not valid YAML: {}") -> Any:

@@ -15,18 +15,6 @@ from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, add
 if TYPE_CHECKING:
     from course_kit.ros_graph.graph import NodeName
 
-LABELS = {
-    1: "Boolean value is:",
-    2: "Integer value is:",
-    3: "Double value is:",
-    4: "String value is:",
-    5: "Byte values are:",
-    6: "Boolean values are:",
-    7: "Integer values are:",
-    8: "Double values are:",
-    9: "String values are:",
-}
-
 
 def _node_arguments(parser: ArgumentParser, nargs: str | None = None) -> None:
     add_strategy_arguments(parser)
@@ -115,8 +103,9 @@ def _get(args: Namespace, session: Session) -> None:
     if not values or values[0].type == 0:
         known = services.list_parameters(session, node)
         raise CommandError("Parameter not set", did_you_mean(args.parameter_name, known))
-    value = value_of(values[0])
-    session.print(str(value) if args.hide_type else f"{LABELS[values[0].type]} {value}")
+    kind, _, is_array = services.TYPE_NAMES[values[0].type].capitalize().partition(" ")
+    label = "" if args.hide_type else f"{kind} {'values are' if is_array else 'value is'}: "
+    session.print(f"{label}{value_of(values[0])}")
 
 
 def _set_arguments(parser: ArgumentParser) -> None:

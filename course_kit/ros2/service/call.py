@@ -31,8 +31,7 @@ def _arguments(parser: ArgumentParser) -> None:
 
 
 def _run(args: Namespace, session: Session) -> None:
-    from course_kit.ros2.messages.arguments import filled, parsed
-    from course_kit.ros2.messages.classes import checked_name, interface_class
+    from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.watching.instruments import client_of
 
     if args.rate is not None and args.rate <= 0:

@@ -134,7 +134,7 @@ def _decoder(kind: Any) -> Callable[[bytes], Any]:
 
 
 def _message_class(session: Session, args: Namespace, topic: str) -> Any:
-    from course_kit.ros2.messages.classes import interface_class
+    from course_kit.ros2.messages.arguments import interface_class
     from course_kit.watching import topics
 
     if args.message_type is not None:

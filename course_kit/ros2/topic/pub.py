@@ -97,8 +97,7 @@ def _arguments(parser: ArgumentParser) -> None:
 
 
 def _run(args: Namespace, session: Session) -> None:
-    from course_kit.ros2.messages.arguments import filled, parsed
-    from course_kit.ros2.messages.classes import interface_class
+    from course_kit.ros2.messages.arguments import filled, interface_class, parsed
 
     kind = interface_class(args.message_type, "msg")
     topic = endpoints.full_name(args.topic_name)
