@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import datetime
+import logging
 import os
 import signal
 import socket
 import sys
 import time
 from collections.abc import Iterable, Mapping
-from functools import partialmethod
+from functools import cache
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
-LEVELS = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
 DESTINATIONS = {"screen", "log", "own_log"}
 # What the words for `output` stand for: source -> destinations.
 WORDS: dict[str, dict[str, set[str]]] = {
@@ -75,18 +75,6 @@ class _Files:
 
 
 files = _Files()
-_threshold = LEVELS["INFO"]
-
-
-def set_debug(is_on: bool) -> None:
-    """Show debug messages, or not."""
-    global _threshold
-    _threshold = LEVELS["DEBUG" if is_on else "INFO"]
-
-
-def verbosity() -> str:
-    """The name of the lowest level that is shown."""
-    return next(name for name, level in LEVELS.items() if level == _threshold)
 
 
 def screen(line: str) -> None:
@@ -101,31 +89,35 @@ def screen(line: str) -> None:
         os.kill(os.getpid(), signal.SIGINT)
 
 
-class Logger:
-    """Messages of the launch itself or of a launch file: `[INFO] [name]: message`, on the screen and in launch.log."""
+class _Handler(logging.Handler):
+    """Writes messages of the launch itself or of a launch file to the screen and to launch.log."""
 
-    def __init__(self, name: str) -> None:
-        self.name = name
-
-    def log(self, level: str, message: object, *values: Any) -> None:
-        """Write a message of a level."""
-        if LEVELS[level] < _threshold:
-            return
-        text = str(message) % values if values else str(message)
-        line = f"[{level}] [{self.name}]: {text}"
+    def emit(self, record: logging.LogRecord) -> None:
+        line = self.format(record)
         screen(line)
-        files.write("launch.log", f"{time.time():.7f} {line}")
-
-    debug = partialmethod(log, "DEBUG")
-    info = partialmethod(log, "INFO")
-    warn = warning = partialmethod(log, "WARNING")
-    error = partialmethod(log, "ERROR")
-    critical = partialmethod(log, "CRITICAL")
+        files.write("launch.log", f"{record.created:.7f} {line}")
 
 
-def get_logger(name: str | None = None) -> Logger:
+_handler = _Handler(logging.INFO)
+_handler.setFormatter(logging.Formatter("[%(levelname)s] [%(name)s]: %(message)s"))
+
+
+def set_debug(is_on: bool) -> None:
+    """Show debug messages, or not."""
+    _handler.setLevel(logging.DEBUG if is_on else logging.INFO)
+
+
+def verbosity() -> str:
+    """The name of the lowest level that is shown."""
+    return logging.getLevelName(_handler.level)
+
+
+@cache
+def get_logger(name: str | None = None) -> logging.Logger:
     """The logger of that name."""
-    return Logger(name or "root")
+    logger = logging.Logger(name or "root")
+    logger.addHandler(_handler)
+    return logger
 
 
 class ProcessOutput:
