@@ -18,9 +18,14 @@ from course_kit.spinning import executors
 class FutureLike(Protocol):
     """What rclpy's futures have, and processes too."""
 
-    def done(self) -> bool: ...
-    def result(self) -> Any: ...
-    def add_done_callback(self, callback: Callable[[Any], None]) -> None: ...
+    def done(self) -> bool:
+        """Whether it has a result or an error."""
+
+    def result(self) -> Any:
+        """The result; raises the error if it has one."""
+
+    def add_done_callback(self, callback: Callable[[Any], None]) -> None:
+        """Have a function called with it once it is done."""
 
 
 POLL = 0.01  # seconds between two looks at a condition

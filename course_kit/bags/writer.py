@@ -41,6 +41,7 @@ class McapFile(McapWriter):
         self.bio.flush()  # an mcap file from the first moment on
 
     def add_connection(self, connection: Connection, offered_qos_profiles: str) -> None:
+        """Make a topic known, with its type's hash."""
         pairs = {"offered_qos_profiles": offered_qos_profiles, "topic_type_hash": connection.digest}
         words = [word.encode() for pair in pairs.items() for word in pair]
         metadata = b"".join(len(word).to_bytes(4, "little") + word for word in words)
@@ -50,6 +51,7 @@ class McapFile(McapWriter):
 
     @property
     def size(self) -> int:
+        """Bytes so far, with those that are not written out yet."""
         return int(self.bio.tell() + self.chunk.bio.tell())
 
     def flush(self) -> None:
@@ -59,6 +61,7 @@ class McapFile(McapWriter):
         self.bio.flush()
 
     def close(self, version: int, metadata: str) -> None:
+        """Write the index and close the file."""
         if not self.chunk.msgs:  # the format wants 0 where there is no message
             self.chunk.message_start_time = 0
         if not any(self.channel_stats.values()):
@@ -83,6 +86,7 @@ class Sqlite3File(Sqlite3Writer):
         self.size = 0
 
     def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
+        """Add a message; `timestamp` in ns."""
         self.size += len(data)
         super().write(connection, timestamp, data)
 
@@ -142,6 +146,7 @@ class BagWriter:
 
     @property
     def message_count(self) -> int:
+        """Messages of all topics so far."""
         return sum(self._counts.values())
 
     def _open_next(self) -> McapFile | Sqlite3File:

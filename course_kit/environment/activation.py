@@ -30,6 +30,7 @@ class RosInstallation:
     distro: str
 
     def has_package(self, name: str) -> bool:
+        """Whether it brings a ROS package."""
         return (self.prefix / "share/ament_index/resource_index/packages" / name).exists()
 
 

@@ -25,6 +25,7 @@ class Subject:
 
     @property
     def ros(self) -> RosInstallation | None:
+        """The ROS 2 that is sourced, if one is."""
         return sourced_ros(self.environ)
 
 

@@ -135,6 +135,7 @@ def explain(what: str, log: Path, environ: Mapping[str, str]) -> str:
 
 
 def main(what: str, log: str) -> int:
+    """What the script calls when a step of set-up has failed."""
     if what == "--of-the-network":
         return 0 if cause(last_step(Path(log)))[0].network else 1
     print(explain(what, Path(log), os.environ))

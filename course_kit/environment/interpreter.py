@@ -42,10 +42,12 @@ class Interpreter:
 
     @property
     def release(self) -> str:
+        """The version in full: '3.11.7'."""
         return ".".join(map(str, self.version))
 
     @property
     def minor(self) -> str:
+        """The version by which Pythons fit together: '3.11'."""
         return ".".join(map(str, self.version[:2]))
 
 
@@ -71,6 +73,7 @@ def lacking(version: Sequence[int], has_venv: bool, has_headers: bool, compiles:
 
 
 def has_module(name: str) -> bool:
+    """Whether a module can be imported, without importing it."""
     return importlib.util.find_spec(name) is not None
 
 
@@ -135,6 +138,7 @@ def probe(python: str, environ: Mapping[str, str], installed: bool) -> Interpret
 
 
 def main(arguments: Sequence[str]) -> int:
+    """What the script asks of an interpreter."""
     if "--json" in arguments:
         found = this_environment() if "--installed" in arguments else this_interpreter()
         print(json.dumps(asdict(found)))

@@ -33,14 +33,17 @@ class Check:
 
 
 def passed(name: str, detail: str) -> Check:
+    """A check that is as it should be."""
     return Check(name, PASS, detail)
 
 
 def warn(name: str, detail: str, reason: str, cure: str) -> Check:
+    """A check of something that the course can do without."""
     return Check(name, WARN, detail, reason, cure)
 
 
 def fail(name: str, detail: str, reason: str, cure: str) -> Check:
+    """A check of something that the course needs and does not find."""
     return Check(name, FAIL, detail, reason, cure)
 
 

@@ -36,6 +36,7 @@ class RosMetadata(MetadataHookInterface):
     """What depends on whether a sourced ROS 2 is used: it brings its own packages, and its own `ros2` command."""
 
     def update(self, metadata: dict[str, Any]) -> None:
+        """Fill in the dependencies and the scripts."""
         ros = sourced_ros(os.environ)
         metadata["dependencies"] = pins.requirements(
             with_ros=ros is None, with_compiler=pins.compiler_is_wanted(os.environ)
@@ -55,12 +56,14 @@ class Interfaces(BuildHookInterface):
         return {p.name: p for p in names if ros is None or not ros.has_package(p.name)}
 
     def dependencies(self) -> list[str]:
+        """The packages that compiling needs."""
         if not self.packages():
             return []
         has_compiler = compiler.of_the_machine(os.environ)
         return pins.versions(BUILD_WHEELS if has_compiler else (*BUILD_WHEELS, compiler.WHEEL))
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Compile the interfaces and add them to the wheel."""
         work = ROOT / "build" / f"rosidl-{sysconfig.get_config_var('SOABI')}"
         work.mkdir(parents=True, exist_ok=True)
         include, shared = self._startup(work), build_data["shared_data"]
