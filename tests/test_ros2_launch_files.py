@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -123,6 +125,22 @@ def test_tab_offers_packages_and_launch_files(prefix: Prefix, monkeypatch: pytes
     monkeypatch.chdir(prefix.package("demo"))
     assert complete("launch demo d") == ["demo.launch.py"]
     assert complete("launch dem") == ["demo", "demo.launch.py"]
+
+
+def test_every_name_that_is_covered_can_be_imported() -> None:
+    code = """if True:
+        from importlib import import_module
+        from course_kit.launching import stand_ins
+        stand_ins.install()
+        for module in stand_ins.COVERED:
+            for name in import_module(module).__all__:
+                exec(f"from {module} import {name}")
+                print(module, name)
+    """
+    names = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.splitlines()
+    assert {"launch.actions TimerAction", "launch.utilities perform_substitutions", "launch_ros.actions Node"} < {
+        *names
+    }
 
 
 def test_a_slip_of_the_pen_gets_a_suggestion(prefix: Prefix) -> None:

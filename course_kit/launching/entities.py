@@ -25,6 +25,13 @@ _PLACES = {
 }
 
 
+def shown(thing: object, package: str) -> str:
+    """How --print and messages show a thing that has no better name: by the module that it is in in the real one."""
+    name = type(thing).__name__
+    module = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+    return f"<{_PLACES.get(name, f'{package}.{module}')}.{name} object at {hex(id(thing))}>"
+
+
 class LaunchDescriptionEntity:
     """Something that can be visited; what it gives is visited next."""
 
@@ -45,9 +52,7 @@ class LaunchDescriptionEntity:
         return None
 
     def __repr__(self) -> str:
-        name = type(self).__name__
-        snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
-        return f"<{_PLACES.get(name, f'launch.actions.{snake}')}.{name} object at {hex(id(self))}>"
+        return shown(self, "launch.actions")
 
 
 class Action(LaunchDescriptionEntity):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.entities import Action, LaunchDescriptionEntity
+from course_kit.launching.entities import Action, LaunchDescriptionEntity, shown
 from course_kit.launching.events import (
     Event,
     ExecutionComplete,
@@ -68,9 +67,7 @@ class EventHandler:
         return f"{type(self).__name__}(matcher='{self._matcher}', handler='<actions>')", entities
 
     def __repr__(self) -> str:
-        name = type(self).__name__
-        snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
-        return f"<launch.event_handlers.{snake}.{name} object at {hex(id(self))}>"
+        return shown(self, "launch.event_handlers")
 
 
 class _OnAction(EventHandler):
