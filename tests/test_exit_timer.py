@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import socket
 import subprocess
 import sys
@@ -80,6 +81,19 @@ def test_the_ros2_command() -> None:
     assert ended == 0
     assert "publishing #1: std_msgs.msg.String(data='hello')" in printed
     assert run(ROS2, "topic", "type", "/nothing")[0] == 1
+
+
+def test_the_ros2_command_at_sigterm() -> None:
+    words = ["topic", "pub", "/said", "std_msgs/msg/String", "data: hello"]
+    process = subprocess.Popen([sys.executable, "-c", NEVER_RETURNS + ROS2, *words], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        assert any("publishing #1" in line for line in process.stdout)
+        process.terminate()
+        assert process.wait(TIMEOUT) == 128 + signal.SIGTERM
+    finally:
+        process.kill()
+        process.wait()
 
 
 def test_the_checker() -> None:

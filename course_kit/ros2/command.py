@@ -137,6 +137,8 @@ def main() -> NoReturn:
         status = run(words)
     except BrokenPipeError:  # as in `ros2 topic echo ... | head`
         status = _quiet_stdout()
+    except SystemExit as ending:  # the usage was printed, or SIGTERM came
+        status = int(ending.code or 0)
     _end(status)
 
 
