@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from course_kit.launching.context import LaunchContext
 from course_kit.launching.substitutions import Composed, SomeSubstitutions, as_bool, as_text
-
-if TYPE_CHECKING:
-    from course_kit.launching.context import LaunchContext
 
 
 class NotSubstitution(Composed):

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
+from course_kit.launching.context import LaunchContext
 from course_kit.launching.substitutions import SomeSubstitutions, as_bool, described, normalize, perform
-
-if TYPE_CHECKING:
-    from course_kit.launching.context import LaunchContext
 
 
 class InvalidConditionExpressionError(RuntimeError):

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import os
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -41,7 +40,7 @@ class LaunchContext:
         self.token = ""  # marks the processes of this launch
         self.group_interrupted = False  # a Ctrl-C reached every process by itself
         self.loop: asyncio.AbstractEventLoop | None = None
-        self._locals: dict[str, Any] = {}
+        self.local_values: dict[str, Any] = {}  # as long as an event is handled
         self._scopes: list[tuple[dict[str, Any], dict[str, str]]] = []
 
     @property
@@ -58,28 +57,15 @@ class LaunchContext:
     @property
     def locals(self) -> Locals:
         """Values of the event that is being handled and of the launch file."""
-        return Locals(self._locals)
+        return Locals(self.local_values)
 
     def get_locals_as_dict(self) -> dict[str, Any]:
         """The same, as a dictionary."""
-        return self._locals
+        return self.local_values
 
     def extend_locals(self, values: dict[str, Any]) -> None:
         """Add local values; they last as long as the event is handled."""
-        self._locals = {**self._locals, **values}
-
-    def forget_locals(self, names: Iterable[str]) -> None:
-        """Take local values away."""
-        self._locals = {name: value for name, value in self._locals.items() if name not in set(names)}
-
-    @contextlib.contextmanager
-    def own_locals(self) -> Iterator[None]:
-        """What is added to the local values while the block runs ends with it."""
-        before = self._locals
-        try:
-            yield
-        finally:
-            self._locals = before
+        self.local_values = {**self.local_values, **values}
 
     def push_scope(self) -> None:
         """Have what is set from now on, launch configurations and environment, last until pop_scope()."""

@@ -3,33 +3,16 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from course_kit.launching import output
+from course_kit.launching.conditions import Condition
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.events import ExecutionComplete
 from course_kit.launching.uncovered import REAL, NotCoveredError
 
-if TYPE_CHECKING:
-    from course_kit.launching.conditions import Condition
-
 Entities = Sequence["LaunchDescriptionEntity"] | None
-# Packages and modules that the real classes come from, where the name does not say it: for --print.
-_PLACES = {
-    "LaunchDescription": "launch.launch_description",
-    "Shutdown": "launch.actions.shutdown_action",
-    "Node": "launch_ros.actions.node",
-    "PushROSNamespace": "launch_ros.actions.push_ros_namespace",
-}
-
-
-def shown(thing: object, package: str) -> str:
-    """How --print and messages show a thing that has no better name: by the module that it is in in the real one."""
-    name = type(thing).__name__
-    module = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
-    return f"<{_PLACES.get(name, f'{package}.{module}')}.{name} object at {hex(id(thing))}>"
 
 
 class LaunchDescriptionEntity:
@@ -50,9 +33,6 @@ class LaunchDescriptionEntity:
     def get_asyncio_future(self) -> asyncio.Future[None] | None:
         """Done when it is; None for what is done at once."""
         return None
-
-    def __repr__(self) -> str:
-        return shown(self, "launch.actions")
 
 
 class Action(LaunchDescriptionEntity):
@@ -89,17 +69,12 @@ class Action(LaunchDescriptionEntity):
         try:
             return self.execute(context)
         finally:
-            self._announce(context)
-
-    def _announce(self, context: LaunchContext) -> None:
-        event = ExecutionComplete(action=self)
-        if not context.would_handle_event(event):
-            return
-        future = self.get_asyncio_future()
-        if future is None:
-            context.emit_event_sync(event)
-        else:
-            future.add_done_callback(lambda _: context.emit_event_sync(event))
+            event = ExecutionComplete(action=self)
+            if context.would_handle_event(event):
+                if future := self.get_asyncio_future():
+                    future.add_done_callback(lambda _: context.emit_event_sync(event))
+                else:
+                    context.emit_event_sync(event)
 
     def execute(self, context: LaunchContext) -> Entities:
         """Do it."""
@@ -140,11 +115,6 @@ def visit_all(entity: LaunchDescriptionEntity, context: LaunchContext) -> list[a
     """Visit an entity and what it leads to, depth first; return the futures of those that are not done yet."""
     if not isinstance(entity, LaunchDescriptionEntity):
         raise RuntimeError(f"expected an action or another launch description entity, got {entity!r}")
-    futures: list[asyncio.Future[None]] = []
-    next_ones = entity.visit(context)
-    for one in next_ones or ():
-        futures += visit_all(one, context)
-    future = entity.get_asyncio_future()
-    if future is not None:
-        futures.append(future)
-    return futures
+    futures = [future for one in entity.visit(context) or () for future in visit_all(one, context)]
+    own = entity.get_asyncio_future()
+    return futures if own is None else [*futures, own]

@@ -15,16 +15,19 @@ Matcher = Callable[[Any], bool]
 
 
 class Event:
-    """Something that happened."""
+    """Something that happened; `name` is the real name of its type."""
 
     name = "launch.Event"
+
+    def __init_subclass__(cls) -> None:
+        if cls.__module__ == __name__:  # a launch file's own type names itself
+            cls.name = f"launch.events.{'process.' * ('Process' in cls.__name__)}{cls.__name__}"
 
 
 @dataclass(eq=False, repr=False)
 class IncludeLaunchDescription(Event):
     """A launch description is to be visited."""
 
-    name = "launch.events.IncludeLaunchDescription"
     launch_description: LaunchDescriptionEntity
 
 
@@ -32,7 +35,6 @@ class IncludeLaunchDescription(Event):
 class Shutdown(Event):
     """The launch is to end."""
 
-    name = "launch.events.Shutdown"
     reason: str = "reason not given"
     due_to_sigint: bool = False
 
@@ -41,7 +43,6 @@ class Shutdown(Event):
 class ExecutionComplete(Event):
     """An action has been executed."""
 
-    name = "launch.events.ExecutionComplete"
     action: Action
 
 
@@ -49,14 +50,11 @@ class ExecutionComplete(Event):
 class TimerEvent(Event):
     """The time of a TimerAction is over."""
 
-    name = "launch.events.TimerEvent"
     timer_action: TimerAction
 
 
 class RunningProcessEvent(Event):
     """Something about a process that runs or ran."""
-
-    name = "launch.events.process.RunningProcessEvent"
 
     def __init__(
         self, *, action: Any, name: str, cmd: list[str], cwd: str | None, env: dict[str, str] | None, pid: int
@@ -72,13 +70,9 @@ class RunningProcessEvent(Event):
 class ProcessStarted(RunningProcessEvent):
     """A process has started."""
 
-    name = "launch.events.process.ProcessStarted"
-
 
 class ProcessExited(RunningProcessEvent):
     """A process has ended; `returncode` is negative for a signal."""
-
-    name = "launch.events.process.ProcessExited"
 
     def __init__(self, *, returncode: int, **details: Any) -> None:
         super().__init__(**details)
@@ -88,35 +82,24 @@ class ProcessExited(RunningProcessEvent):
 class ProcessIO(RunningProcessEvent):
     """A process wrote `text`, bytes as they came."""
 
-    name = "launch.events.process.ProcessIO"
     source = ""
 
     def __init__(self, *, text: bytes, **details: Any) -> None:
         super().__init__(**details)
         self.text = text
-
-    @property
-    def from_stdout(self) -> bool:
-        """Whether it is what the program prints."""
-        return self.source == "stdout"
-
-    @property
-    def from_stderr(self) -> bool:
-        """Whether it is what the program complains of."""
-        return self.source == "stderr"
+        self.from_stdout = self.source == "stdout"
+        self.from_stderr = self.source == "stderr"
 
 
 class ProcessStdout(ProcessIO):
     """A process wrote to stdout."""
 
-    name = "launch.events.process.ProcessStdout"
     source = "stdout"
 
 
 class ProcessStderr(ProcessIO):
     """A process wrote to stderr."""
 
-    name = "launch.events.process.ProcessStderr"
     source = "stderr"
 
 
@@ -124,31 +107,22 @@ class ProcessStderr(ProcessIO):
 class ProcessTargetedEvent(Event):
     """Something that certain processes are to do."""
 
-    name = "launch.events.process.ProcessTargetedEvent"
     process_matcher: Matcher
 
 
 class ShutdownProcess(ProcessTargetedEvent):
     """Processes are to end."""
 
-    name = "launch.events.process.ShutdownProcess"
-
 
 class SignalProcess(ProcessTargetedEvent):
     """Processes are to get a signal, given by its number or name."""
 
-    name = "launch.events.process.SignalProcess"
-
     def __init__(self, *, signal_number: str | int, process_matcher: Matcher) -> None:
         super().__init__(process_matcher=process_matcher)
-        by_name = isinstance(signal_number, str)
-        self.signal = signal.Signals[str(signal_number)] if by_name else signal.Signals(int(signal_number))
+        signals = signal.Signals
+        self.signal = signals[signal_number] if isinstance(signal_number, str) else signals(signal_number)
+        self.signal_name = self.signal.name
         self.is_there_already = False  # the processes have it from elsewhere: only tell
-
-    @property
-    def signal_name(self) -> str:
-        """The signal's name, such as SIGINT."""
-        return self.signal.name
 
 
 def matches_action(target: Any) -> Matcher:

@@ -6,16 +6,17 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.entities import Action, LaunchDescriptionEntity, shown
+from course_kit.launching.entities import Action, LaunchDescriptionEntity
 from course_kit.launching.events import (
     Event,
     ExecutionComplete,
-    IncludeLaunchDescription,
+    Matcher,
     ProcessExited,
     ProcessIO,
     ProcessStarted,
     RunningProcessEvent,
     Shutdown,
+    matches_action,
 )
 
 # Entities, or a function that is called with the event and the context and returns some.
@@ -33,17 +34,10 @@ def as_list(entities: SomeEntities) -> list[LaunchDescriptionEntity]:
 class EventHandler:
     """Gives entities to be visited when an event matches."""
 
-    def __init__(
-        self, *, matcher: Callable[[Event], bool], entities: Response = None, handle_once: bool = False
-    ) -> None:
+    def __init__(self, *, matcher: Matcher, entities: Response = None, handle_once: bool = False) -> None:
         self._matcher = matcher
-        self._entities = entities
+        self.entities = entities
         self._handle_once = handle_once
-
-    @property
-    def entities(self) -> Response:
-        """What it was given."""
-        return self._entities
 
     def matches(self, event: Event) -> bool:
         """Whether it takes the event."""
@@ -54,50 +48,36 @@ class EventHandler:
         context.extend_locals({"event": event})
         if self._handle_once:
             context.unregister_event_handler(self)
-        return self.respond(event, context)
-
-    def respond(self, event: Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
-        """The entities, or what the given function returns for the event."""
-        entities = self._entities
-        return as_list(entities(event, context) if callable(entities) else entities)
+        return as_list(self.entities(event, context) if callable(self.entities) else self.entities)
 
     def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
         """How --print shows it, and what it leads to."""
-        entities = [] if callable(self._entities) else as_list(self._entities)
-        return f"{type(self).__name__}(matcher='{self._matcher}', handler='<actions>')", entities
+        response, entities = (self.entities, []) if callable(self.entities) else ("<actions>", as_list(self.entities))
+        return f"{type(self).__name__}({self._arguments(response)})", entities
 
-    def __repr__(self) -> str:
-        return shown(self, "launch.event_handlers")
+    def _arguments(self, response: object) -> str:
+        return f"matcher='{self._matcher}', handler='<actions>'"
 
 
 class _OnAction(EventHandler):
     """Matches events of one type that are about one action, about those a function takes, or about all."""
 
     def __init__(
-        self, event_type: type[Event], target_action: Any, entities: Response, handle_once: bool, word: str
+        self, event_type: type[Any], target_action: Any, entities: Response, handle_once: bool, word: str
     ) -> None:
         if target_action is not None and not isinstance(target_action, Action) and not callable(target_action):
             raise TypeError(f"{type(self).__name__}: target_action must be an action, not {target_action!r}")
         self._target = target_action
         self._word = word
+        is_meant = matches_action(target_action) if isinstance(target_action, Action) else target_action
         super().__init__(
-            matcher=lambda event: isinstance(event, event_type) and self._is_meant(event),
+            matcher=lambda event: isinstance(event, event_type) and (is_meant is None or is_meant(event.action)),
             entities=entities,
             handle_once=handle_once,
         )
 
-    def _is_meant(self, event: Any) -> bool:
-        if self._target is None:
-            return True
-        if isinstance(self._target, Action):
-            return event.action is self._target
-        return bool(self._target(event.action))
-
-    def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
-        what = f"{type(self).__name__}(target_action={self._target}, {self._word}="
-        if callable(self._entities):
-            return f"{what}{self._entities})", []
-        return f"{what}<actions>)", as_list(self._entities)
+    def _arguments(self, response: object) -> str:
+        return f"target_action={self._target}, {self._word}={response}"
 
 
 class OnProcessStart(_OnAction):
@@ -146,17 +126,5 @@ class OnShutdown(EventHandler):
     def __init__(self, *, on_shutdown: Response, **options: Any) -> None:
         super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown, **options)
 
-    def describe(self) -> tuple[str, list[LaunchDescriptionEntity]]:
-        """How --print shows it, and what it leads to."""
-        entities = [] if callable(self._entities) else as_list(self._entities)
-        return f"OnShutdown(on_shutdown={'<actions>' if entities else self._entities})", entities
-
-
-class OnIncludeLaunchDescription(EventHandler):
-    """When a launch description is to be visited."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            matcher=lambda event: isinstance(event, IncludeLaunchDescription),
-            entities=lambda event, context: event.launch_description,
-        )
+    def _arguments(self, response: object) -> str:
+        return f"on_shutdown={response}"

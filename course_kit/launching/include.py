@@ -16,7 +16,8 @@ from course_kit.launching.substitutions import SomeSubstitutions, described, nor
 from course_kit.launching.uncovered import NotCoveredError, not_covered
 
 FUNCTION = "generate_launch_description"
-_LOCALS = ("current_launch_file_path", "current_launch_file_directory")
+# Packages of ROS 2's own launch system.
+_OF_LAUNCH = ("launch", "launch_ros", "launch_xml", "launch_yaml", "launch_testing", "launch_pytest")
 _SYNTAX = "The launch file may have a syntax error, or its format is unknown"
 
 
@@ -38,15 +39,7 @@ def load_python_launch_file(path: str) -> LaunchDescription:
         loader.exec_module(module)
     except ModuleNotFoundError as error:
         name = error.name or ""
-        # Packages of ROS 2's own launch system that other packages bring.
-        if name.split(".")[0] in (
-            "launch",
-            "launch_ros",
-            "launch_xml",
-            "launch_yaml",
-            "launch_testing",
-            "launch_pytest",
-        ):
+        if name.split(".")[0] in _OF_LAUNCH:
             raise not_covered(name) from error
         raise
     if not hasattr(module, FUNCTION):
@@ -166,11 +159,11 @@ class IncludeLaunchDescription(Action):
     def execute(self, context: LaunchContext) -> Entities:
         """Set the arguments, visit the description, and go back to the including file."""
         description = self.launch_description_source.get_launch_description(context)
-        before = {name: value for name, value in context.get_locals_as_dict().items() if name in _LOCALS}
+        before = context.local_values
         location = self.launch_description_source.location
         path = os.path.abspath(location)
         folder = os.path.dirname(path) if os.path.exists(path) else location
-        context.extend_locals(dict(zip(_LOCALS, (path, folder), strict=True)))
+        context.extend_locals({"current_launch_file_path": path, "current_launch_file_directory": folder})
         names = [perform(context, name) for name, _ in self.launch_arguments]
         for argument in arguments_of(description):
             is_optional = argument._conditionally_included or argument.default_value is not None
@@ -181,8 +174,7 @@ class IncludeLaunchDescription(Action):
                 )
 
         def back(context: LaunchContext) -> None:
-            context.forget_locals(_LOCALS)
-            context.extend_locals(before)
+            context.local_values = before
 
         sets = [basic.SetLaunchConfiguration(name, value) for name, value in self.launch_arguments]
         return [*sets, description, basic.Step(back)]

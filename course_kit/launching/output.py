@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import logging
 import os
@@ -31,50 +32,34 @@ def log_folder(environment: Mapping[str, str] = os.environ) -> Path:
     return Path(os.path.normpath(os.path.expanduser(folder)))
 
 
-class _Files:
-    """The log files of this launch, below a folder made when the first one is needed."""
-
-    def __init__(self) -> None:
-        self._folder: Path | None = None
-        self._open: dict[str, IO[str] | None] = {}
-
-    @property
-    def folder(self) -> Path:
-        if self._folder is None:
-            stamp = datetime.datetime.now().strftime("%Y-%m-%d-%H-%M-%S-%f")
-            self._folder = log_folder() / f"{stamp}-{socket.gethostname()}-{os.getpid()}"
-            self._folder.mkdir(parents=True, exist_ok=True)
-            self._link_latest(self._folder)
-        return self._folder
-
-    @staticmethod
-    def _link_latest(folder: Path) -> None:
-        link = folder.parent / "latest"
-        try:
-            if link.is_symlink():
-                link.unlink()
-            if not link.exists():
-                link.symlink_to(folder, target_is_directory=True)
-        except OSError:  # another launch was quicker
-            pass
-
-    def write(self, name: str, line: str) -> None:
-        if name not in self._open:
-            self._open[name] = self._opened(name)
-        file = self._open[name]
-        if file is not None:
-            file.write(line + "\n")
-
-    def _opened(self, name: str) -> IO[str] | None:
-        try:
-            return open(self.folder / name, "a", encoding="utf-8", errors="replace", buffering=1)
-        except OSError as error:
-            # A disk that is full or read-only must not keep nodes from running.
-            print(f"cannot write {name}: {error}", file=sys.stderr, flush=True)
-            return None
+@cache
+def launch_folder() -> Path:
+    """The folder of this launch's log files, made when the first one is needed."""
+    stamp = datetime.datetime.now().strftime("%Y-%m-%d-%H-%M-%S-%f")
+    folder = log_folder() / f"{stamp}-{socket.gethostname()}-{os.getpid()}"
+    folder.mkdir(parents=True, exist_ok=True)
+    link = folder.parent / "latest"
+    with contextlib.suppress(OSError):  # another launch was quicker
+        if link.is_symlink():
+            link.unlink()
+        if not link.exists():
+            link.symlink_to(folder, target_is_directory=True)
+    return folder
 
 
-files = _Files()
+@cache
+def _log_file(name: str) -> IO[str] | None:
+    try:
+        return open(launch_folder() / name, "a", encoding="utf-8", errors="replace", buffering=1)
+    except OSError as error:
+        # A disk that is full or read-only must not keep nodes from running.
+        print(f"cannot write {name}: {error}", file=sys.stderr, flush=True)
+        return None
+
+
+def _log(name: str, line: str) -> None:
+    if file := _log_file(name):
+        file.write(line + "\n")
 
 
 def screen(line: str) -> None:
@@ -95,7 +80,7 @@ class _Handler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         line = self.format(record)
         screen(line)
-        files.write("launch.log", f"{record.created:.7f} {line}")
+        _log("launch.log", f"{record.created:.7f} {line}")
 
 
 _handler = _Handler(logging.INFO)
@@ -133,11 +118,11 @@ class ProcessOutput:
         if "screen" in own | both:
             screen(line)
         if "log" in own | both:
-            files.write("launch.log", f"{time.time():.7f} {line}")
+            _log("launch.log", f"{time.time():.7f} {line}")
         if "own_log" in own:
-            files.write(f"{self._name}-{source}.log", line)
+            _log(f"{self._name}-{source}.log", line)
         if "own_log" in both:
-            files.write(f"{self._name}.log", line)
+            _log(f"{self._name}.log", line)
 
 
 def _destinations(config: str | Mapping[str, str | Iterable[str]]) -> dict[str, set[str]]:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-from typing import TYPE_CHECKING
 
+from course_kit.launching.context import LaunchContext
 from course_kit.launching.substitutions import Composed, SomeSubstitutions, SubstitutionFailure
 from course_kit.programs import packages
-
-if TYPE_CHECKING:
-    from course_kit.launching.context import LaunchContext
 
 
 class PackageNotFoundError(KeyError):

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from course_kit.launching import events, output
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import LaunchDescription, visit_all
-from course_kit.launching.handlers import OnIncludeLaunchDescription, OnShutdown
+from course_kit.launching.handlers import EventHandler, OnShutdown
 from course_kit.programs.orphans import Watch
 
 
@@ -23,10 +23,13 @@ class LaunchService:
         output.set_debug(debug)
         self._logger = output.get_logger("launch")
         self.context = LaunchContext(argv=argv, noninteractive=noninteractive)
-        self.context.register_event_handler(OnIncludeLaunchDescription())
+        include = EventHandler(
+            matcher=lambda event: isinstance(event, events.IncludeLaunchDescription),
+            entities=lambda event, context: event.launch_description,
+        )
+        self.context.register_event_handler(include)
         self.context.register_event_handler(OnShutdown(on_shutdown=self._on_shutdown))
         self._futures: list[asyncio.Future[None]] = []
-        self._is_shutting_down = False
         self._was_interrupted = False
         self._status = 0
 
@@ -49,32 +52,34 @@ class LaunchService:
     async def _run(self) -> int:
         loop = self.context.loop = asyncio.get_running_loop()
         terminated = self._terminated = loop.create_future()
-        self._tell_where_logs_are()
+        self._logger.info(f"All log files can be found below {output.launch_folder()}")
+        self._logger.info(f"Default logging verbosity is set to {output.verbosity()}")
         loop.add_signal_handler(signal.SIGINT, self._on_sigint)
         for number in (signal.SIGTERM, signal.SIGQUIT):
             loop.add_signal_handler(number, self._on_sigterm, number)
         while not terminated.done():
             if self.context.events:
-                self._handle_safely(self.context.events.popleft())
+                self._handle(self.context.events.popleft())
                 await asyncio.sleep(0)  # so that processes start and write between two events
                 continue
             self._futures = [future for future in self._futures if not future.done()]
             if self._futures:
                 waited_for = {self.context.next_arrival(), terminated, *self._futures}
                 await asyncio.wait(waited_for, return_when=asyncio.FIRST_COMPLETED)
-            elif self._is_shutting_down:
+            elif self.context.is_shutdown:
                 break
             else:
                 self._shutdown("idle", due_to_sigint=False)
         return self._status
 
-    def _tell_where_logs_are(self) -> None:
-        self._logger.info(f"All log files can be found below {output.files.folder}")
-        self._logger.info(f"Default logging verbosity is set to {output.verbosity()}")
-
-    def _handle_safely(self, event: events.Event) -> None:
+    def _handle(self, event: events.Event) -> None:
+        self._logger.debug(f"processing event: '{event}'")
         try:
-            self._handle(event)
+            for handler in tuple(self.context.handlers):
+                if handler.matches(event):
+                    self.context.local_values = {}
+                    for entity in handler.handle(event, self.context):
+                        self._futures += visit_all(entity, self.context)
         except Exception as error:
             message = f"Caught exception in launch (see debug for traceback): {error}"
             self._logger.debug(traceback.format_exc())
@@ -82,23 +87,12 @@ class LaunchService:
             self._status = 1
             self._shutdown(message, due_to_sigint=False)
 
-    def _handle(self, event: events.Event) -> None:
-        self._logger.debug(f"processing event: '{event}'")
-        for handler in tuple(self.context.handlers):
-            if not handler.matches(event):
-                continue
-            with self.context.own_locals():
-                for entity in handler.handle(event, self.context):
-                    self._futures += visit_all(entity, self.context)
-
     def _on_shutdown(self, event: events.Event, context: LaunchContext) -> None:
-        self._is_shutting_down = True
         context.is_shutdown = True
 
     def _shutdown(self, reason: str, due_to_sigint: bool) -> None:
-        if not self._is_shutting_down:
+        if not self.context.is_shutdown:
             self.context.emit_event_sync(events.Shutdown(reason=reason, due_to_sigint=due_to_sigint))
-        self._is_shutting_down = True
         self.context.is_shutdown = True
 
     def _on_sigint(self) -> None:

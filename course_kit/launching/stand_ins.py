@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import re
 import sys
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
+from collections.abc import Iterable
+from functools import partial
 from types import ModuleType
-from typing import Any
+from typing import Any, NoReturn
 
 from course_kit.launching.uncovered import not_covered
 
@@ -67,40 +68,29 @@ COVERED: dict[str, dict[str, str]] = {
         "package_substitutions": "ExecutableInPackage FindPackage FindPackagePrefix FindPackageShare"
     },
 }
-PACKAGES = ("launch", "launch.events", "launch_ros")
-
-
-class _Finder(MetaPathFinder, Loader):
-    """Makes the modules of the table when they are imported."""
-
-    def find_spec(self, name: str, *_: object) -> ModuleSpec | None:
-        """Where a module of the table comes from: from here."""
-        return ModuleSpec(name, self, is_package=name in PACKAGES) if name in COVERED else None
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Fill a module with its names."""
-        known: dict[str, Any] = {}
-        for place, names in COVERED[module.__name__].items():
-            origin = importlib.import_module(f"course_kit.launching.{place}")
-            pairs = (name.partition("=") for name in names.split())
-            known |= {theirs: getattr(origin, ours or theirs) for theirs, _, ours in pairs}
-
-        def other(name: str) -> Any:
-            """A submodule of that name, or an error for what is not covered."""
-            if name.startswith("__"):
-                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
-            full_name = f"{module.__name__}.{name}"
-            if full_name in COVERED:
-                return importlib.import_module(full_name)
-            raise not_covered(full_name, difflib.get_close_matches(name, known, n=1, cutoff=0.8))
-
-        vars(module).update(known, __all__=list(known), __getattr__=other)
-
-
-_finder = _Finder()
 
 
 def install() -> None:
     """Have `import launch` and `import launch_ros` find these modules from now on, in this process."""
-    if _finder not in sys.meta_path:
-        sys.meta_path.insert(0, _finder)
+    for module_name, places in COVERED.items():
+        known: dict[str, Any] = {}
+        for place, names in places.items():
+            origin = importlib.import_module(f"course_kit.launching.{place}")
+            pairs = (name.partition("=") for name in names.split())
+            known |= {theirs: getattr(origin, ours or theirs) for theirs, _, ours in pairs}
+        for thing in known.values():
+            if isinstance(thing, type) and thing.__module__.startswith("course_kit"):
+                # Where the real one is, for --print and messages.
+                own_module = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", thing.__name__).lower()
+                thing.__module__ = f"{module_name}.{own_module}"
+        module = sys.modules[module_name] = ModuleType(module_name)
+        vars(module).update(known, __all__=list(known), __getattr__=partial(_refuse, module_name, list(known)))
+        package, _, own_name = module_name.rpartition(".")
+        if package:
+            setattr(sys.modules[package], own_name, module)
+
+
+def _refuse(module_name: str, known: Iterable[str], name: str) -> NoReturn:
+    if name.startswith("__"):
+        raise AttributeError(f"module {module_name!r} has no attribute {name!r}")
+    raise not_covered(f"{module_name}.{name}", difflib.get_close_matches(name, known, n=1, cutoff=0.8))

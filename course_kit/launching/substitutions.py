@@ -8,12 +8,10 @@ import shlex
 import shutil
 import subprocess
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, Union
+from typing import Any, Union
 
 from course_kit.launching import output
-
-if TYPE_CHECKING:
-    from course_kit.launching.context import LaunchContext
+from course_kit.launching.context import LaunchContext
 
 # What a launch file may give wherever a text is wanted.
 SomeSubstitutions = Union[str, "os.PathLike[str]", "Substitution", Iterable[Any]]
