@@ -232,6 +232,15 @@ def test_output_goes_where_it_says(prefix: Prefix, output: str, shown: str) -> N
         assert own == ("[child-1] o\n" if output == "own_log" else None)
 
 
+def test_a_log_folder_that_cannot_be_made_keeps_nothing_from_running(prefix: Prefix) -> None:
+    (prefix.folder / "file").touch()
+    prefix.environment["ROS_LOG_DIR"] = str(prefix.folder / "file/log")
+    with launch(prefix, "python(\"print('up')\")") as running:
+        assert running.end().status == 0
+        assert "[child-1] up" in running.lines
+        assert running.text.count("cannot write launch.log: ") == 1
+
+
 def test_a_terminal_is_emulated(prefix: Prefix) -> None:
     entities = 'Node(package="demo", executable="reporter", output="screen", emulate_tty=True)'
     with launch(prefix, entities) as running:

@@ -37,9 +37,10 @@ def launch_folder() -> Path:
     """The folder of this launch's log files, made when the first one is needed."""
     stamp = datetime.datetime.now().strftime("%Y-%m-%d-%H-%M-%S-%f")
     folder = log_folder() / f"{stamp}-{socket.gethostname()}-{os.getpid()}"
-    folder.mkdir(parents=True, exist_ok=True)
     link = folder.parent / "latest"
-    with contextlib.suppress(OSError):  # another launch was quicker
+    # A folder that cannot be written to must not keep nodes from running; or another launch was quicker with the link.
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
         if link.is_symlink():
             link.unlink()
         if not link.exists():
@@ -52,7 +53,6 @@ def _log_file(name: str) -> IO[str] | None:
     try:
         return open(launch_folder() / name, "a", encoding="utf-8", errors="replace", buffering=1)
     except OSError as error:
-        # A disk that is full or read-only must not keep nodes from running.
         print(f"cannot write {name}: {error}", file=sys.stderr, flush=True)
         return None
 
