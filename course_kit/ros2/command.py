@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import importlib
 import os
@@ -10,68 +9,62 @@ import signal
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Mapping, Sequence
-from types import FrameType, ModuleType
+from types import FrameType
 from typing import NoReturn
 
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag
+from course_kit.ros2.verbs import CommandError, Verb, flag
 
 COMMANDS = {
-    "action": "Various action related sub-commands",
-    "bag": "Various rosbag related sub-commands",
-    "doctor": "Check ROS setup and other potential issues",
-    "interface": "Show information about ROS interfaces",
-    "launch": "Run a launch file",
-    "node": "Various node related sub-commands",
-    "param": "Various param related sub-commands",
-    "pkg": "Various package related sub-commands",
-    "run": "Run a package specific executable",
-    "service": "Various service related sub-commands",
-    "topic": "Various topic related sub-commands",
-    "wtf": "Use `wtf` as alias to `doctor`",
+    "action": "send goals, and see who offers actions",
+    "bag": "record topics into bags, look into them, play them",
+    "doctor": "check this machine, the packages and the graph",
+    "interface": "show the types of messages, services and actions",
+    "launch": "start what a launch file describes",
+    "node": "list nodes, and what each is connected to",
+    "param": "read and set the parameters of nodes",
+    "pkg": "create packages, and find those that are there",
+    "run": "start an executable of a package",
+    "service": "call services, and see who offers them",
+    "topic": "see, measure and publish messages",
+    "wtf": "the same as doctor",
 }
 _MODULES = {"wtf": "doctor"}
 END_TIMEOUT = 3.0  # seconds for leaving the graph
-DESCRIPTION = "ros2 is an extensible command-line tool for ROS 2."
+DESCRIPTION = "What runs on ROS 2 here: look at it, try it, start it."
 
 
 def parser_for(words: Sequence[str]) -> ArgumentParser:
     """The parser of a command line: complete for the command and the verb that it names, a line for each other."""
     parser = ArgumentParser(prog="ros2", description=DESCRIPTION, formatter_class=RawDescriptionHelpFormatter)
-    add_flag(
-        parser,
-        "--use-python-default-buffering",
-        "Do not force line buffering in stdout and instead use the python default buffering, which might be "
-        "affected by PYTHONUNBUFFERED/-u and depends on whatever stdout is interactive or not",
-    )
+    flag("--use-python-default-buffering", "do not write each line at once where the output is no terminal")(parser)
     named = [word for word in words if not word.startswith("-")]
     parsers = _subparsers(parser, "ros2", COMMANDS, "command", named)
+    parser.set_defaults(verb=None, named=parser)
     if named and named[0] in COMMANDS:
-        _fill(parsers[named[0]], named[0], named[1:])
+        _fill(parsers[named[0]], *named)
     return parser
 
 
-def _fill(parser: ArgumentParser, command: str, named: Sequence[str]) -> None:
+def _fill(parser: ArgumentParser, command: str, *named: str) -> None:
     """Give a command's parser its arguments, and its verbs if it has any."""
-    module = _module(command)
+    module = importlib.import_module("course_kit.ros2.{0}.{0}".format(_MODULES.get(command, command)))
+    parser.set_defaults(named=parser)
     if hasattr(module, "add_arguments"):
         module.add_arguments(parser)
-    verbs: Mapping[str, Verb] = getattr(module, "VERBS", {})
     if hasattr(module, "COMMAND"):
-        module.COMMAND.arguments(parser)
-        parser.set_defaults(verb=module.COMMAND)
-    if verbs:
-        summaries = {name: verb.summary for name, verb in verbs.items()}
-        parsers = _subparsers(parser, f"ros2 {command}", summaries, "verb", named)
-        if named and named[0] in verbs:
-            verbs[named[0]].arguments(parsers[named[0]])
-            parsers[named[0]].set_defaults(verb=verbs[named[0]])
+        _become(parser, module.COMMAND)
+        return
+    verbs: Mapping[str, Verb] = module.VERBS
+    parsers = _subparsers(parser, f"ros2 {command}", {n: v.summary for n, v in verbs.items()}, "verb", named)
+    if named and named[0] in verbs:
+        _become(parsers[named[0]], verbs[named[0]])
 
 
-def _module(command: str) -> ModuleType:
-    name = _MODULES.get(command, command)
-    return importlib.import_module(f"course_kit.ros2.{name}.{name}")
+def _become(parser: ArgumentParser, verb: Verb) -> None:
+    verb.arguments(parser)
+    parser.set_defaults(verb=verb)
 
 
 def _subparsers(
@@ -79,30 +72,28 @@ def _subparsers(
 ) -> dict[str, ArgumentParser]:
     width = max(map(len, summaries))
     listing = "".join(f"{name:{width}}  {summary}\n" for name, summary in sorted(summaries.items()))
-    is_chosen = bool(named) and named[0] in summaries
     group = parser.add_subparsers(
         title="Commands",
-        description="" if is_chosen else listing,
-        metavar=f"Call `{prog} <command> -h` for more detailed usage.",
+        description="" if named and named[0] in summaries else listing,
+        metavar=f"`{prog} <command> -h` tells more of each.",
         dest=f" {kind}",
     )
-    made = {}
-    for name, summary in sorted(summaries.items()):
-        made[name] = group.add_parser(name, description=summary, formatter_class=RawDescriptionHelpFormatter)
-    return made
+    return {
+        name: group.add_parser(name, description=summary, formatter_class=RawDescriptionHelpFormatter)
+        for name, summary in sorted(summaries.items())
+    }
 
 
 def run(words: Sequence[str]) -> int:
     """Run a command line; return its exit status. A wrong one exits with usage on stderr (SystemExit 2)."""
     parser = parser_for(words)
     args = parser.parse_args(words)
-    verb: Verb | None = getattr(args, "verb", None)
-    if verb is None:
-        _help_for(parser, words)
+    if args.verb is None:
+        args.named.print_help()
         return 0
     session = Session(args)
     try:
-        return verb.run(args, session) or 0
+        return args.verb.run(args, session) or 0
     except DurationOver:
         return 0
     except KeyboardInterrupt:
@@ -113,15 +104,6 @@ def run(words: Sequence[str]) -> int:
         if error.suggestion:
             session.warn(error.suggestion)
         return error.status
-
-
-def _help_for(parser: ArgumentParser, words: Sequence[str]) -> None:
-    """Print the help of the command that was named without a verb, or of `ros2` itself."""
-    for named in (word for word in words if word in COMMANDS):
-        groups = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
-        parser = next(groups).choices[named]
-        break
-    parser.print_help()
 
 
 def main() -> NoReturn:

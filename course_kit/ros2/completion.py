@@ -27,20 +27,19 @@ def offering(names: Callable[[Namespace], Iterable[str]]) -> Callable[..., list[
 
 def names_of(noun: str) -> Callable[..., list[str]]:
     """Offers the topics, services or actions of the graph."""
-    hidden = f"include_hidden_{noun}s"
-    return offering(lambda args: Session(args).named(noun, getattr(args, hidden, False)))
+    return offering(lambda args: Session(args).named(noun))
 
 
 def types_in_use(noun: str) -> Callable[..., list[str]]:
     """Offers the types that topics, services or actions of the graph have."""
-    return offering(lambda args: sorted({t for types in Session(args).named(noun).values() for t in types}))
+    return offering(lambda args: sorted({t for types in Session(args).named(noun, True).values() for t in types}))
 
 
 def type_of(noun: str) -> Callable[..., list[str]]:
     """Offers the type of what was named before; all types of its kind if nobody has it."""
 
     def types(args: Namespace) -> Sequence[str]:
-        return Session(args).named(noun).get(getattr(args, f"{noun}_name", "")) or installed_types(noun)
+        return Session(args).named(noun, True).get(getattr(args, f"{noun}_name", "")) or installed_types(noun)
 
     return offering(types)
 

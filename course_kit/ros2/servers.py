@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from course_kit.ros2.session import Session
@@ -14,12 +14,12 @@ POLL = 0.002
 
 
 def wait_for_server(
-    session: Session, is_ready: Callable[[], bool], name: str, wanted: str, offered: Callable[[Any], Mapping[str, Any]]
+    session: Session, noun: str, name: str, wanted: str, is_ready: Callable[[], bool], count: Callable[[str], int]
 ) -> None:
-    """Wait until the server is there; say after a while which of the names and types `offered` may be meant."""
+    """Wait until the server is there; say after a while which of those that `count` knows of may be meant."""
     if session.until(is_ready, GONE, POLL):
         return
-    there = offered(session.graph())
+    there = {found: types for found, types in session.named(noun).items() if count(found)}
     types = [found for found in there.get(name, []) if found != wanted]
     suggestion = f"Did you mean {types[0]}?" if types else did_you_mean(name, there)
     if suggestion and not is_ready():

@@ -22,6 +22,12 @@ class DurationOver(Exception):  # noqa: N818 - it is no error
     """The time that --duration gives to a verb is over: it ends well."""
 
 
+def log_text(level: str, logger: str, text: str, stamp: int) -> str:
+    """A line as rcl's console shows it; `stamp` in nanoseconds since the epoch."""
+    seconds, nanoseconds = divmod(stamp, 10**9)
+    return f"[{level}] [{seconds}.{nanoseconds:09}] [{logger}]: {text}"
+
+
 class Session:
     """One run of one verb, in the main thread of a process of its own or of a notebook's kernel.
 
@@ -31,7 +37,7 @@ class Session:
 
     def __init__(self, args: Namespace) -> None:
         self.in_notebook = in_kernel()
-        self._spin_time: float | None = getattr(args, "spin_time", None)
+        self._args = args
         duration: float | None = getattr(args, "duration", None)
         self._deadline = None if duration is None else time.monotonic() + duration
 
@@ -43,6 +49,11 @@ class Session:
     def warn(self, text: str) -> None:
         """Write a line to stderr, at once."""
         print(text, file=sys.stderr, flush=True)
+
+    def warn_of(self, lines: SimpleQueue[str]) -> None:
+        """Write the lines that callbacks have left to stderr."""
+        while not lines.empty():
+            self.warn(lines.get())
 
     @property
     def node(self) -> Node:
@@ -61,14 +72,19 @@ class Session:
         known = discovery.of(node)
         if self.in_notebook:
             known.keep(node)
-        known.wait(discovery.WHOLE_TIMEOUT if self._spin_time is None else self._spin_time)
+        spin_time: float | None = getattr(self._args, "spin_time", None)
+        known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time)
         return node
 
-    def named(self, noun: str, with_hidden: bool = True) -> Mapping[str, Sequence[str]]:
-        """The names and types of the graph's topics, services or actions, by the noun; no action is hidden."""
+    def named(self, noun: str, with_hidden: bool = False) -> Mapping[str, Sequence[str]]:
+        """The topics, services or actions by their noun, with types; hidden ones too if that, or the option, says so.
+
+        No action is hidden.
+        """
         from course_kit.ros_graph import graph
 
         node = self.graph()
+        with_hidden = with_hidden or getattr(self._args, f"include_hidden_{noun}s", False)
         return graph.actions(node) if noun == "action" else getattr(graph, f"{noun}s")(node, with_hidden)
 
     def check_time(self) -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from argparse import SUPPRESS, ArgumentParser, Namespace, _ActionsContainer
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from argparse import SUPPRESS, Namespace
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from course_kit.kernel import in_kernel
@@ -13,21 +13,17 @@ from course_kit.kernel import in_kernel
 if TYPE_CHECKING:
     from course_kit.ros2.session import Session
 
-
-def _no_arguments(parser: ArgumentParser) -> None:
-    pass
+Arguments = Callable[[Any], object]  # adds arguments to a parser, or to a group of one
 
 
-@dataclass(frozen=True)
 class Verb:
     """One verb: its line in the help, what does it, its arguments.
 
     `run` returns the exit status, None for 0. It writes through the session and raises CommandError if it fails.
     """
 
-    summary: str
-    run: Callable[[Namespace, Session], int | None]
-    arguments: Callable[[ArgumentParser], None] = _no_arguments
+    def __init__(self, summary: str, run: Callable[[Namespace, Session], int | None], *arguments: Arguments) -> None:
+        self.summary, self.run, self.arguments = summary, run, all_of(*arguments)
 
 
 class CommandError(Exception):
@@ -39,6 +35,20 @@ class CommandError(Exception):
         self.status = status
 
 
+@contextmanager
+def failing(*kinds: type[Exception], say: Callable[[Exception], str] = str) -> Iterator[None]:
+    """Exceptions of these kinds in the block are failures of the verb; `say` makes the line of them."""
+    try:
+        yield
+    except kinds as error:
+        raise CommandError(say(error)) from None
+
+
+def one_line(error: Exception) -> str:
+    """What an exception says, in one line."""
+    return " ".join(str(error).split()) or type(error).__name__
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """A line that suggests the known name nearest to `name`, or None if none is near."""
     candidates = sorted(set(known) - {name})
@@ -48,35 +58,65 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     return f"Did you mean {near[0]}?" if near else None
 
 
-def add_flag(parser: _ActionsContainer, names: str, help: str) -> None:
-    """An option without a value; `names` are separated by spaces."""
-    parser.add_argument(*names.split(), action="store_true", help=help)
+def argument(names: str, help: str, offer: Callable[..., list[str]] | None = None, **settings: Any) -> Arguments:
+    """An argument or an option, its names separated by spaces; Tab offers for it what a completer knows."""
+
+    def add(parser: Any) -> None:
+        parser.add_argument(*names.split(), help=help, **settings).completer = offer
+
+    return add
 
 
-def add_offered(parser: ArgumentParser, name: str, offer: Callable[..., list[str]], help: str, **options: Any) -> None:
-    """An argument for which Tab offers what a completer knows."""
-    argument = parser.add_argument(name, help=help, **options)
-    argument.completer = offer  # type: ignore[attr-defined]
+def flag(names: str, help: str) -> Arguments:
+    """An option without a value."""
+    return argument(names, help, action="store_true")
 
 
-def add_strategy_arguments(parser: ArgumentParser) -> None:
-    """The options of verbs that read the graph."""
-    add_node_arguments(parser)
-    add_flag(parser, "--no-daemon", "Do not spawn nor use an already running daemon (there is none here)")
+def all_of(*arguments: Arguments) -> Arguments:
+    """Several arguments, in this order."""
+
+    def add(parser: Any) -> None:
+        for one in arguments:
+            one(parser)
+
+    return add
 
 
-def add_node_arguments(parser: ArgumentParser) -> None:
-    """The options of verbs that have a node of their own."""
-    parser.add_argument(
-        "--spin-time",
-        type=float,
-        default=None,
-        help="Spin time in seconds to wait for discovery (by default until the graph is known)",
+def one_of(*arguments: Arguments) -> Arguments:
+    """Arguments of which a command line has one at most."""
+    return lambda parser: all_of(*arguments)(parser.add_mutually_exclusive_group())
+
+
+def yaml_values(name: str, example: str) -> Arguments:
+    """What a message is filled in with."""
+    return one_of(
+        argument(name, f"the fields that are to be set, as YAML: '{example}'", nargs="?", default="{}"),
+        flag("--stdin", "read them from the standard input"),
     )
-    add_flag(parser, "-s --use-sim-time", "Enable ROS simulation time")
 
 
-def add_duration_argument(parser: ArgumentParser) -> None:
+def duration(parser: Any) -> None:
     """The course's own option of verbs that go on until they are interrupted; a terminal's usage does not name it."""
-    shown = "End after S seconds" if in_kernel() else SUPPRESS
+    shown = "end after S seconds" if in_kernel() else SUPPRESS
     parser.add_argument("--duration", type=float, default=None, metavar="S", help=shown)
+
+
+# The options of verbs that have a node of their own, and of those that read the graph.
+NODE = all_of(
+    argument("--spin-time", "look for others for so many seconds; without it until all are known", type=float),
+    flag("-s --use-sim-time", "go by the time on /clock"),
+)
+GRAPH = all_of(NODE, flag("--no-daemon", "accepted: there is no daemon here"))
+
+
+def add_flag(parser: Any, names: str, help: str) -> None:
+    """An option without a value."""
+    flag(names, help)(parser)
+
+
+def add_offered(parser: Any, name: str, offer: Callable[..., list[str]], help: str, **options: Any) -> None:
+    """An argument for which Tab offers what a completer knows."""
+    argument(name, help, offer, **options)(parser)
+
+
+add_duration_argument = duration

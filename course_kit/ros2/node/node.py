@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 
 from course_kit.ros2.completion import node_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, add_strategy_arguments, did_you_mean
-
-
-def _list_arguments(parser: ArgumentParser) -> None:
-    add_strategy_arguments(parser)
-    add_flag(parser, "-a --all", "Display all nodes even hidden ones")
-    add_flag(parser, "-c --count-nodes", "Only display the number of nodes discovered")
+from course_kit.ros2.verbs import GRAPH, CommandError, Verb, argument, did_you_mean, flag
 
 
 def _list(args: Namespace, session: Session) -> None:
@@ -30,12 +25,6 @@ def _list(args: Namespace, session: Session) -> None:
             "WARNING: Be aware that there are nodes in the graph that share an exact name, "
             "which can have unintended side effects."
         )
-
-
-def _info_arguments(parser: ArgumentParser) -> None:
-    add_strategy_arguments(parser)
-    add_offered(parser, "node_name", node_names, "Node name to request information")
-    add_flag(parser, "--include-hidden", "Display hidden topics, services, and actions as well")
 
 
 def block(heading: str, named: Mapping[str, Sequence[str]]) -> str:
@@ -65,18 +54,23 @@ def _info(args: Namespace, session: Session) -> None:
         offered = graph.interfaces(node, graph.NodeName.of(wanted), args.include_hidden)
     except NodeNameNonExistentError:  # it ended this moment
         raise unknown from None
-    blocks = {
-        "Subscribers": offered.subscribers,
-        "Publishers": offered.publishers,
-        "Service Servers": offered.service_servers,
-        "Service Clients": offered.service_clients,
-        "Action Servers": offered.action_servers,
-        "Action Clients": offered.action_clients,
-    }
-    session.print("\n".join([args.node_name, *(block(heading, named) for heading, named in blocks.items())]))
+    blocks = [block(field.name.replace("_", " ").title(), getattr(offered, field.name)) for field in fields(offered)]
+    session.print("\n".join([args.node_name, *blocks]))
 
 
 VERBS = {
-    "info": Verb("Output information about a node", _info, _info_arguments),
-    "list": Verb("Output a list of available nodes", _list, _list_arguments),
+    "info": Verb(
+        "show what a node publishes, subscribes to, offers and uses",
+        _info,
+        GRAPH,
+        argument("node_name", "the node, such as /turtlesim", node_names),
+        flag("--include-hidden", "with what is hidden, by an underscore in the name"),
+    ),
+    "list": Verb(
+        "list the nodes",
+        _list,
+        GRAPH,
+        flag("-a --all", "with those that are hidden, by an underscore in the name"),
+        flag("-c --count-nodes", "only say how many there are"),
+    ),
 }

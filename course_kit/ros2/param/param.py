@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import re
-from argparse import ArgumentParser, Namespace
-from collections.abc import Mapping
+from argparse import Namespace
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.completion import node_names, parameter_names
-from course_kit.ros2.param import services
+from course_kit.ros2.param.services import call, list_parameters
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, add_strategy_arguments, did_you_mean
+from course_kit.ros2.verbs import GRAPH, CommandError, Verb, all_of, argument, did_you_mean, failing, flag, one_line
 
 if TYPE_CHECKING:
     from course_kit.ros_graph.graph import NodeName
 
-
-def _node_arguments(parser: ArgumentParser, nargs: str | None = None) -> None:
-    add_strategy_arguments(parser)
-    add_offered(parser, "node_name", node_names, "Name of the ROS node", nargs=nargs)
-    add_flag(parser, "--include-hidden-nodes", "Consider hidden nodes as well")
-
-
-def _parameter_argument(parser: ArgumentParser, name: str = "parameter_name", nargs: str | None = None) -> None:
-    plural = "Names of the parameters" if nargs else "Name of the parameter"
-    add_offered(parser, name, parameter_names, plural, nargs=nargs)
+SCALARS = ("boolean", "integer", "double", "string")
+TYPE_NAMES = ("not set", *SCALARS, "byte array", *(f"{name} array" for name in SCALARS))
 
 
 def _nodes(args: Namespace, session: Session) -> list[NodeName]:
@@ -52,66 +44,44 @@ def value_of(value: Any) -> Any:
     return list(python) if value.type >= 5 else python
 
 
-def _list_arguments(parser: ArgumentParser) -> None:
-    _node_arguments(parser, nargs="?")
-    parser.add_argument(
-        "--param-prefixes", nargs="+", default=[], help="Only list parameters with the provided prefixes"
-    )
-    add_flag(parser, "--param-type", "Print parameter types with parameter names")
-    parser.add_argument("--filter", help="Only list parameters matching the provided regex")
-
-
 def _list(args: Namespace, session: Session) -> None:
     from course_kit.ros_graph import graph
 
     chosen = [graph.NodeName.of(_found_node(args, session))] if args.node_name else _nodes(args, session)
-    try:
-        pattern = re.compile(args.filter) if args.filter else None
-    except re.error as error:
-        raise CommandError(f"Invalid regular expression '{args.filter}': {error}") from None
+    with failing(re.error, say=lambda error: f"Invalid regular expression '{args.filter}': {error}"):
+        is_wanted = re.compile(args.filter or "").search
     offered = graph.services(session.node, with_hidden=True)
     for node in chosen:
         if f"{node.full_name}/list_parameters" not in offered:
             continue
         try:
-            names = services.list_parameters(session, node.full_name, args.param_prefixes)
-            names = [name for name in names if pattern is None or pattern.search(name)]
-            types = _types(session, node.full_name, names) if args.param_type else {}
+            names = list_parameters(session, node.full_name, *args.param_prefixes)
+            names = list(filter(is_wanted, names))
+            described = _described(session, node.full_name, names) if args.param_type else ()
         except CommandError as error:  # one node that does not answer must not hide the others
             session.warn(str(error))
             continue
         if not args.node_name:
             session.print(f"{node.full_name}:")
+        types = {descriptor.name: f" (type: {TYPE_NAMES[descriptor.type]})" for descriptor in described}
         for name in names:
-            session.print(f"  {name} (type: {types[name]})" if args.param_type else f"  {name}")
+            session.print(f"  {name}{types[name] if args.param_type else ''}")
 
 
-def _types(session: Session, node_name: str, names: list[str]) -> dict[str, str]:
-    described = services.describe_parameters(session, node_name, names)
-    return {d.name: services.TYPE_NAMES[d.type] for d in described}
-
-
-def _get_arguments(parser: ArgumentParser) -> None:
-    _node_arguments(parser)
-    _parameter_argument(parser)
-    add_flag(parser, "--hide-type", "Hide the type information")
+def _described(session: Session, node_name: str, names: Sequence[str]) -> Sequence[Any]:
+    """rcl_interfaces ParameterDescriptors, one for each name that is declared."""
+    return call(session, node_name, "describe_parameters", names=names).descriptors
 
 
 def _get(args: Namespace, session: Session) -> None:
     node = _found_node(args, session)
-    values = services.get_parameters(session, node, [args.parameter_name])
+    values = call(session, node, "get_parameters", names=[args.parameter_name]).values
     if not values or values[0].type == 0:
-        known = services.list_parameters(session, node)
+        known = list_parameters(session, node)
         raise CommandError("Parameter not set", did_you_mean(args.parameter_name, known))
-    kind, _, is_array = services.TYPE_NAMES[values[0].type].capitalize().partition(" ")
+    kind, _, is_array = TYPE_NAMES[values[0].type].capitalize().partition(" ")
     label = "" if args.hide_type else f"{kind} {'values are' if is_array else 'value is'}: "
     session.print(f"{label}{value_of(values[0])}")
-
-
-def _set_arguments(parser: ArgumentParser) -> None:
-    _node_arguments(parser)
-    _parameter_argument(parser)
-    parser.add_argument("value", help="Value of the parameter")
 
 
 def _set(args: Namespace, session: Session) -> None:
@@ -120,7 +90,8 @@ def _set(args: Namespace, session: Session) -> None:
 
     node = _found_node(args, session)
     parameter = Parameter(name=args.parameter_name, value=get_parameter_value(args.value))
-    _report(session, services.set_parameters(session, node, [parameter])[0], "Set parameter", "Setting parameter")
+    (result,) = call(session, node, "set_parameters", parameters=[parameter]).results
+    _report(session, result, "Set parameter", "Setting parameter")
 
 
 def _report(session: Session, result: Any, done: str, tried: str, adverb: str = "successful") -> None:
@@ -131,33 +102,22 @@ def _report(session: Session, result: Any, done: str, tried: str, adverb: str = 
         session.warn(f"{tried} failed{reason}")
 
 
-def _delete_arguments(parser: ArgumentParser) -> None:
-    _node_arguments(parser)
-    _parameter_argument(parser)
-
-
 def _delete(args: Namespace, session: Session) -> None:
     from rcl_interfaces.msg import Parameter
 
     node = _found_node(args, session)
-    result = services.set_parameters(session, node, [Parameter(name=args.parameter_name)])[0]
+    (result,) = call(session, node, "set_parameters", parameters=[Parameter(name=args.parameter_name)]).results
     _report(session, result, "Deleted parameter", "Deleting parameter", adverb="successfully")
 
 
-def _describe_arguments(parser: ArgumentParser) -> None:
-    _node_arguments(parser)
-    _parameter_argument(parser, "parameter_names", nargs="+")
-
-
 def _describe(args: Namespace, session: Session) -> None:
-    node = _found_node(args, session)
-    for descriptor in services.describe_parameters(session, node, args.parameter_names):
+    for descriptor in _described(session, _found_node(args, session), args.parameter_names):
         session.print("\n".join(description(descriptor)))
 
 
 def description(descriptor: Any) -> list[str]:
     """The lines of `describe` for one rcl_interfaces ParameterDescriptor."""
-    lines = [f"Parameter name: {descriptor.name}", f"  Type: {services.TYPE_NAMES[descriptor.type]}"]
+    lines = [f"Parameter name: {descriptor.name}", f"  Type: {TYPE_NAMES[descriptor.type]}"]
     if descriptor.description:
         lines.append(f"  Description: {descriptor.description}")
     lines.append("  Constraints:")
@@ -176,8 +136,8 @@ def _dump(args: Namespace, session: Session) -> None:
     import yaml
 
     node = _found_node(args, session)
-    names = services.list_parameters(session, node)
-    values = services.get_parameters(session, node, names)
+    names = list_parameters(session, node)
+    values = call(session, node, "get_parameters", names=names).values
     parameters = dict(zip(names, map(value_of, values), strict=False))
     session.print(yaml.dump({node: {"ros__parameters": nested(parameters)}}, default_flow_style=False))
 
@@ -194,36 +154,52 @@ def nested(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return tree
 
 
-def _load_arguments(parser: ArgumentParser) -> None:
-    _node_arguments(parser)
-    parser.add_argument("parameter_file", help="Parameter file")
-    add_flag(parser, "--no-use-wildcard", "Do not load parameters in the '/**' namespace into the node")
-
-
 def _load(args: Namespace, session: Session) -> None:
     import yaml
     from rclpy.parameter import parameter_dict_from_yaml_file
 
     node = _found_node(args, session)
-    try:
-        found = parameter_dict_from_yaml_file(args.parameter_file, not args.no_use_wildcard, target_nodes=[node])
-    except OSError as error:
-        raise CommandError(f"{error.strerror}: '{args.parameter_file}'") from None
-    except yaml.YAMLError as error:
-        raise CommandError(f"{args.parameter_file} is no YAML: {' '.join(str(error).split())}") from None
-    except (RuntimeError, AttributeError, TypeError) as error:
-        raise CommandError(str(error)) from None
-    results = services.set_parameters(session, node, list(found.values()))
+    file = args.parameter_file
+    with (
+        failing(OSError, say=lambda error: f"{getattr(error, 'strerror', error)}: '{file}'"),
+        failing(yaml.YAMLError, say=lambda error: f"{file} is no YAML: {one_line(error)}"),
+        failing(RuntimeError, AttributeError, TypeError),
+    ):
+        found = parameter_dict_from_yaml_file(file, not args.no_use_wildcard, target_nodes=[node])
+    results = call(session, node, "set_parameters", parameters=list(found.values())).results
     for name, result in zip(found, results, strict=True):
         _report(session, result, f"Set parameter {name}", f"Set parameter {name}")
 
 
+_HIDDEN = flag("--include-hidden-nodes", "also nodes that are hidden, by an underscore in the name")
+_NODE = all_of(GRAPH, argument("node_name", "the node, such as /turtlesim", node_names), _HIDDEN)
+_PARAMETER = argument("parameter_name", "the parameter, such as background_r", parameter_names)
 VERBS = {
-    "delete": Verb("Delete parameter", _delete, _delete_arguments),
-    "describe": Verb("Show descriptive information about declared parameters", _describe, _describe_arguments),
-    "dump": Verb("Show all of the parameters of a node in a YAML file format", _dump, _node_arguments),
-    "get": Verb("Get parameter", _get, _get_arguments),
-    "list": Verb("Output a list of available parameters", _list, _list_arguments),
-    "load": Verb("Load parameter file for a node", _load, _load_arguments),
-    "set": Verb("Set parameter", _set, _set_arguments),
+    "delete": Verb("take a parameter from a node", _delete, _NODE, _PARAMETER),
+    "describe": Verb(
+        "show type, purpose and limits of parameters",
+        _describe,
+        _NODE,
+        argument("parameter_names", "the parameters", parameter_names, nargs="+"),
+    ),
+    "dump": Verb("print the parameters of a node as a parameter file", _dump, _NODE),
+    "get": Verb("print a parameter", _get, _NODE, _PARAMETER, flag("--hide-type", "the value alone")),
+    "list": Verb(
+        "list the parameters of a node, or of all",
+        _list,
+        GRAPH,
+        argument("node_name", "the node (default: all)", node_names, nargs="?"),
+        _HIDDEN,
+        argument("--param-prefixes", "only those below these names", nargs="+", default=[]),
+        flag("--param-type", "with their types"),
+        argument("--filter", "only those that this regular expression finds"),
+    ),
+    "load": Verb(
+        "set the parameters of a node that a parameter file names",
+        _load,
+        _NODE,
+        argument("parameter_file", "the file, YAML"),
+        flag("--no-use-wildcard", "without those that the file gives to all nodes, below /**"),
+    ),
+    "set": Verb("set a parameter", _set, _NODE, _PARAMETER, argument("value", "its new value, as YAML")),
 }

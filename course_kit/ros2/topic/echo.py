@@ -6,26 +6,19 @@ than the topic, the oldest of those that wait are left out.
 
 from __future__ import annotations
 
+import math
 import time
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from course_kit.ros2.completion import names_of, type_of
+from course_kit.ros2.named import TOPICS
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import (
-    CommandError,
-    Verb,
-    add_duration_argument,
-    add_flag,
-    add_offered,
-    add_strategy_arguments,
-    did_you_mean,
-)
+from course_kit.ros2.verbs import GRAPH, Verb, argument, duration, failing, flag
 
 TRUNCATE_LENGTH = 128
 WAITING = 1000  # messages that may wait to be printed
@@ -39,101 +32,35 @@ def unsigned_int(text: str) -> int:
     return int(text)
 
 
-def _arguments(parser: ArgumentParser) -> None:
-    add_strategy_arguments(parser)
-    add_offered(parser, "topic_name", names_of("topic"), "Name of the ROS topic to listen to (e.g. '/chatter')")
-    add_offered(
-        parser, "message_type", type_of("topic"), "Type of the ROS message (e.g. 'std_msgs/msg/String')", nargs="?"
-    )
-    endpoints.add_qos_arguments(parser, "subscribe", "sensor_data")
-    add_flag(
-        parser,
-        "--csv",
-        "Output all recursive fields separated by commas (e.g. for plotting). If --include-message-info is also "
-        "passed, the following fields are prepended: source_timestamp, received_timestamp, "
-        "publication_sequence_number, reception_sequence_number.",
-    )
-    parser.add_argument(
-        "--field",
-        help="Echo a selected field of a message. Use '.' to select sub-fields and '[i]' to select an element. "
-        "For example, to echo the position field of a nav_msgs/msg/Odometry message: "
-        "'ros2 topic echo /odom --field pose.pose.position'",
-    )
-    add_flag(
-        parser,
-        "--full-length -f",
-        "Output all elements for arrays, bytes, and string with a length > '--truncate-length', by default they "
-        "are truncated after '--truncate-length' elements with '...''",
-    )
-    parser.add_argument(
-        "--truncate-length",
-        "-l",
-        type=unsigned_int,
-        default=TRUNCATE_LENGTH,
-        help=f"The length to truncate arrays, bytes, and string to (default: {TRUNCATE_LENGTH})",
-    )
-    add_flag(parser, "--no-arr", "Don't print array fields of messages")
-    add_flag(parser, "--no-str", "Don't print string fields of messages")
-    add_flag(parser, "--flow-style", "Print sequences in brackets (not available with csv format)")
-    add_flag(parser, "--no-lost-messages", "Don't report when a message is lost")
-    add_flag(parser, "--raw", "Echo the raw binary representation")
-    parser.add_argument(
-        "--filter",
-        dest="filter_expr",
-        help="Python expression to filter messages that are printed. Expression can use Python builtins as well as m "
-        "(the message).",
-    )
-    add_flag(parser, "--once", "Print the first message received and then exit.")
-    parser.add_argument(
-        "--timeout", metavar="N", type=endpoints.positive_float, help="Set a timeout in seconds for waiting"
-    )
-    add_flag(parser, "--include-message-info -i", "Shows the associated message info.")
-    add_duration_argument(parser)
-
-
 def _run(args: Namespace, session: Session) -> None:
-    from course_kit.ros2.topic.echo_text import expression, selector
+    from course_kit.ros2.messages.yaml_text import Shown
+    from course_kit.ros2.topic.echo_text import expression, message_text, selector
 
     select = selector(args.field)
-    matches = expression(args.filter_expr) if args.filter_expr else None
+    matches = expression(args.filter_expr) if args.filter_expr else lambda message: True
+    shown = Shown(None if args.full_length else args.truncate_length, args.no_arr, args.no_str)
     topic = endpoints.full_name(args.topic_name)
-    kind = _message_class(session, args, topic)
-    render = _renderer(args)
-    decode = (lambda data: data) if args.raw else _decoder(kind)
+    kind = _message_class(session, args)
+
+    from rclpy.serialization import deserialize_message
+
     with _messages(session, args, topic, kind) as arrivals:
-        ends = None if args.timeout is None else time.monotonic() + args.timeout
-        while ends is None or time.monotonic() < ends:
+        ends = time.monotonic() + (args.timeout or math.inf)
+        while time.monotonic() < ends:
             for data, info in session.items(arrivals.queue, timeout=TICK):
                 arrivals.report(session, not args.no_lost_messages)
-                message = select(decode(data))
-                if matches is None or matches(message):
-                    session.print(render(message, info), end="")
+                message = select(data if args.raw else deserialize_message(data, kind))
+                if matches(message):
+                    about = info if args.include_message_info else None
+                    session.print(message_text(message, about, shown, args.csv, args.flow_style), end="")
                     if args.once:
                         return
-                if ends is not None and time.monotonic() >= ends:
+                if time.monotonic() >= ends:
                     return
             arrivals.report(session, not args.no_lost_messages)
 
 
-def _renderer(args: Namespace) -> Callable[[Any, dict[str, Any]], str]:
-    from course_kit.ros2.messages.yaml_text import Shown
-    from course_kit.ros2.topic.echo_text import message_text
-
-    shown = Shown(None if args.full_length else args.truncate_length, args.no_arr, args.no_str)
-    has_info = args.include_message_info
-    return lambda message, info: message_text(message, info if has_info else None, shown, args.csv, args.flow_style)
-
-
-def _decoder(kind: Any) -> Callable[[bytes], Any]:
-    from rclpy.serialization import deserialize_message
-
-    return lambda data: deserialize_message(data, kind)
-
-
-# Where messages come from ----------------------------------------------------------------------------------------
-
-
-def _message_class(session: Session, args: Namespace, topic: str) -> Any:
+def _message_class(session: Session, args: Namespace) -> Any:
     from course_kit.ros2.messages.arguments import interface_class
     from course_kit.watching import topics
 
@@ -141,19 +68,9 @@ def _message_class(session: Session, args: Namespace, topic: str) -> Any:
         kind = interface_class(args.message_type, "msg")
         session.graph()
         return kind
-    known = dict(session.graph().get_topic_names_and_types())
-    types = known.get(topic, [])
-    if not types:
-        session.print(f"WARNING: topic [{args.topic_name}] does not appear to be published yet")
-        raise CommandError("Could not determine the type for the passed topic", did_you_mean(topic, known))
-    if len(types) > 1:
-        raise CommandError(
-            f"Cannot echo topic '{args.topic_name}', as it contains more than one type: [{', '.join(types)}]"
-        )
-    try:
-        return topics.message_class(types[0])
-    except (ImportError, ValueError):
-        raise CommandError(f"The message type '{types[0]}' is invalid") from None
+    name = endpoints.type_of(session, args.topic_name, waits=False)
+    with failing(ImportError, ValueError, say=lambda _: f"The message type '{name}' is invalid"):
+        return topics.message_class(name)
 
 
 @dataclass
@@ -172,8 +89,7 @@ class _Arrivals:
         self.queue.put((data, info))
 
     def report(self, session: Session, with_lost: bool) -> None:
-        while not self.warnings.empty():
-            session.warn(self.warnings.get())
+        session.warn_of(self.warnings)
         total = self.lost()
         if with_lost and total > self.reported:
             from course_kit.ros2.topic.echo_text import lost_text
@@ -184,20 +100,26 @@ class _Arrivals:
 
 @contextmanager
 def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Iterator[_Arrivals]:
-    """The messages of a topic while the block runs."""
+    """The messages of a topic while the block runs.
+
+    With a QoS on the command line it is that one, exactly, and a line says so if it fits no publisher.
+    """
     from course_kit.watching import instruments, topics
 
-    arrivals = _Arrivals()
+    arrivals, node = _Arrivals(), session.node
+
+    def note_mismatch(policy: Any) -> None:
+        arrivals.warnings.put(endpoints.incompatible(node.get_name(), topic, policy, is_publisher=False))
+
     if endpoints.is_chosen(args):
-        with _as_chosen(session, args, topic, kind, arrivals):
-            yield arrivals
-        return
-    for line in endpoints.mixed_offers(topics.publishers(session.node, topic)):
-        session.print(line)
-    try:
-        subscription = instruments.subscribe(topic, arrivals.put, kind)
-    except (TypeError, ValueError, RuntimeError) as error:
-        raise CommandError(str(error)) from None
+        qos = endpoints.chosen(args)
+        with endpoints.refused(topic):
+            subscription = instruments.subscribe_exactly(topic, arrivals.put, kind, qos, note_mismatch)
+    else:
+        for line in endpoints.mixed_offers(topics.publishers(node, topic)):
+            session.print(line)
+        with failing(TypeError, ValueError, RuntimeError):
+            subscription = instruments.subscribe(topic, arrivals.put, kind)
     arrivals.lost = lambda: subscription.lost
     try:
         yield arrivals
@@ -205,27 +127,30 @@ def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Itera
         subscription.close(wait=False)
 
 
-@contextmanager
-def _as_chosen(session: Session, args: Namespace, topic: str, kind: Any, arrivals: _Arrivals) -> Iterator[None]:
-    """A subscription with the QoS of the command line, exactly, that says so if it fits no publisher."""
-    from course_kit.watching import instruments
-
-    node = session.node
-    qos = endpoints.chosen(args)
-
-    def note_mismatch(policy: Any) -> None:
-        arrivals.warnings.put(endpoints.incompatible(node.get_name(), topic, policy, is_publisher=False))
-
-    try:
-        subscription = instruments.subscribe_exactly(topic, arrivals.put, kind, qos, note_mismatch)
-    except (TypeError, RuntimeError) as error:
-        raise endpoints.refused(error, topic) from None
-
-    arrivals.lost = lambda: subscription.lost
-    try:
-        yield
-    finally:
-        subscription.close(wait=False)
-
-
-ECHO = Verb("Output messages from a topic", _run, _arguments)
+ECHO = Verb(
+    "print the messages of a topic",
+    _run,
+    GRAPH,
+    TOPICS.name,
+    TOPICS.typed("message_type", nargs="?"),
+    endpoints.qos_options("sensor_data"),
+    flag("--csv", "the values with commas between them, as for a table; -i puts its four numbers before them"),
+    argument("--field", "only this part of the message, such as pose.position or ranges[0]"),
+    flag("--full-length -f", "long arrays and strings whole"),
+    argument(
+        "--truncate-length -l",
+        f"how much of an array or a string is shown before '...' (default: {TRUNCATE_LENGTH})",
+        type=unsigned_int,
+        default=TRUNCATE_LENGTH,
+    ),
+    flag("--no-arr", "only type and length of arrays"),
+    flag("--no-str", "only the length of strings"),
+    flag("--flow-style", "arrays in brackets, on one line"),
+    flag("--no-lost-messages", "say nothing of messages that were lost"),
+    flag("--raw", "the bytes as they come, not decoded"),
+    argument("--filter", "only messages m for which this Python expression is true", dest="filter_expr"),
+    flag("--once", "end after the first message"),
+    argument("--timeout", "end after N seconds", metavar="N", type=endpoints.positive_float),
+    flag("--include-message-info -i", "with when each message was sent and received"),
+    duration,
+)

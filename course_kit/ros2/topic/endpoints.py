@@ -1,14 +1,16 @@
-"""What `ros2 topic echo` and `pub` share: the topic's full name, the QoS options and the profiles they stand for."""
+"""What the verbs of `ros2 topic` share: a topic's full name and type, the QoS options and what they stand for."""
 
 from __future__ import annotations
 
 import copy
 import time
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2.verbs import CommandError
+from course_kit.ros2.session import Session, log_text
+from course_kit.ros2.verbs import Arguments, CommandError, all_of, argument, did_you_mean, failing, one_line
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
@@ -31,63 +33,43 @@ RELIABILITIES = ("system_default", "reliable", "best_effort", "unknown", "best_a
 DURABILITIES = ("system_default", "transient_local", "volatile", "unknown", "best_available")
 LIVELINESSES = ("system_default", "automatic", "manual_by_topic", "unknown", "best_available")
 
+POLICIES: dict[str, dict[str, Any]] = {
+    "depth": {"metavar": "N", "type": int, "help": "how many messages may wait"},
+    "history": {"choices": HISTORIES, "help": "which messages are kept: the last ones or all"},
+    "reliability": {"choices": RELIABILITIES, "help": "whether lost messages are sent again"},
+    "durability": {"choices": DURABILITIES, "help": "whether who comes late gets what was sent before"},
+    "liveliness": {"choices": LIVELINESSES, "help": "who says that the publisher is alive"},
+    "liveliness-lease-duration-seconds": {"type": float, "help": "how long it counts as alive without saying so"},
+}
 
-def add_qos_arguments(parser: ArgumentParser, purpose: str, default: str) -> None:
-    """Add the --qos-… options; `purpose` is subscribe or publish, `default` the name of a profile."""
-    parser.add_argument(
-        "--qos-profile",
-        choices=PROFILES,
-        default=default,
-        help=f"Quality of service preset profile to {purpose} with (default: {default})",
-    )
-    parser.add_argument(
-        "--qos-depth",
-        metavar="N",
-        type=int,
-        help=f"Queue size setting to {purpose} with (overrides depth value of --qos-profile option)",
-    )
-    overridden = "(overrides {0} value of --qos-profile option{1})"
-    followed = ", default: Compatible profile with running endpoints "
-    for policy, choices, setting, note in (
-        ("history", HISTORIES, "History of samples setting", ", default: keep_last"),
-        ("reliability", RELIABILITIES, "Quality of service reliability setting", followed),
-        ("durability", DURABILITIES, "Quality of service durability setting", followed),
-        ("liveliness", LIVELINESSES, "Quality of service liveliness setting", ""),
-    ):
-        about = f"{setting} to {purpose} with {overridden.format(policy, note)}"
-        parser.add_argument(f"--qos-{policy}", choices=choices, help=about)
-    parser.add_argument(
-        "--qos-liveliness-lease-duration-seconds",
-        type=float,
-        help=f"Quality of service liveliness lease duration setting to {purpose} with "
-        f"{overridden.format('liveliness lease duration', '')}",
-    )
+
+def qos_options(default: str) -> Arguments:
+    """The --qos-… options; `default` is the name of a profile."""
+    about = f"the preset that the other --qos- options change (default: {default})"
+    preset = argument("--qos-profile", about, choices=PROFILES, default=default)
+    return all_of(preset, *(argument(f"--qos-{policy}", **settings) for policy, settings in POLICIES.items()))
 
 
 def is_chosen(args: Namespace) -> bool:
     """Whether the command line names a policy, so that the QoS does not follow the publishers."""
-    policies = ("depth", "history", "reliability", "durability", "liveliness", "liveliness_lease_duration_seconds")
-    return any(getattr(args, f"qos_{policy}") is not None for policy in policies)
+    return any(getattr(args, f"qos_{policy.replace('-', '_')}") is not None for policy in POLICIES)
 
 
 def chosen(args: Namespace) -> QoSProfile:
     """The profile of the command line: the preset, with the policies that are named."""
     from rclpy.duration import Duration
-    from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPresetProfiles, ReliabilityPolicy
+    from rclpy.qos import DurabilityPolicy, QoSPresetProfiles
 
-    named = (args.qos_profile, args.qos_history, args.qos_reliability, args.qos_durability, args.qos_liveliness)
-    if "unknown" in named:
+    from course_kit.bags import qos as bag_qos
+
+    named = {policy: getattr(args, f"qos_{policy}") for policy in bag_qos.POLICIES}
+    if "unknown" in (args.qos_profile, *named.values()):
         raise CommandError("The QoS 'unknown' is one that endpoints are described with, none that can be asked for")
     # A profile of one's own: the presets are shared by the whole process, in a notebook with the student's nodes.
     profile: QoSProfile = copy.copy(QoSPresetProfiles.get_from_short_key(args.qos_profile))
-    if args.qos_history:
-        profile.history = HistoryPolicy.get_from_short_key(args.qos_history)
-    if args.qos_durability:
-        profile.durability = DurabilityPolicy.get_from_short_key(args.qos_durability)
-    if args.qos_reliability:
-        profile.reliability = ReliabilityPolicy.get_from_short_key(args.qos_reliability)
-    if args.qos_liveliness:
-        profile.liveliness = LivelinessPolicy.get_from_short_key(args.qos_liveliness)
+    for policy, value in named.items():
+        if value:
+            setattr(profile, policy, bag_qos.POLICIES[policy].get_from_short_key(value))
     if (args.qos_liveliness_lease_duration_seconds or 0) > 0:
         profile.liveliness_lease_duration = Duration(seconds=args.qos_liveliness_lease_duration_seconds)
     if (args.qos_depth or 0) > 0:
@@ -124,28 +106,46 @@ def full_name(topic: str) -> str:
     """The full name of a topic. Raises CommandError for what cannot be one."""
     from course_kit.watching import topics
 
-    try:
+    with failing(ValueError):
         return topics.absolute(topic)
-    except ValueError as error:
-        raise CommandError(str(error)) from None
 
 
-def refused(error: Exception, topic: str) -> CommandError:
-    """The one line for a publisher or subscription that the middleware does not make."""
-    reason = " ".join(str(error).split()) or type(error).__name__
-    return CommandError(f"Cannot create an endpoint on the topic '{topic}': {reason}")
+def type_of(session: Session, topic: str, waits: bool) -> str:
+    """The type of a topic, with the real command's warning if nobody has it yet. CommandError if it has several.
+
+    With `waits` those who publish it decide, and one who has it is waited for.
+    """
+    from course_kit.watching import topics
+
+    name, node = full_name(topic), session.graph()
+    known = dict(node.get_topic_names_and_types())
+    if name not in known:
+        session.print(f"WARNING: topic [{topic}] does not appear to be published yet")
+        if not waits:
+            raise CommandError("Could not determine the type for the passed topic", did_you_mean(name, known))
+        while name not in (known := dict(session.node.get_topic_names_and_types())):
+            session.sleep(0.05)
+    types = sorted({p.topic_type for p in topics.publishers(node, name)} if waits else ()) or known[name]
+    if len(types) > 1:
+        raise CommandError(f"Cannot echo topic '{topic}', as it contains more than one type: [{', '.join(types)}]")
+    return types[0]
+
+
+def refused(topic: str) -> AbstractContextManager[None]:
+    """A publisher or subscription that the middleware does not make is a failure of the verb."""
+    # rclpy has several exceptions for that.
+    return failing(Exception, say=lambda error: f"Cannot create an endpoint on the topic '{topic}': {one_line(error)}")
 
 
 def incompatible(node_name: str, topic: str, policy_kind: Any, is_publisher: bool) -> str:
     """The line that rclpy logs when an endpoint on the other side asks for more than is offered."""
     from rclpy.qos import qos_policy_name_from_kind
 
-    seconds, nanoseconds = divmod(time.time_ns(), 10**9)
-    policy = qos_policy_name_from_kind(policy_kind)
-    happened = (
-        f"New subscription discovered on topic '{topic}', requesting incompatible QoS. No messages will be sent to it."
-        if is_publisher
-        else f"New publisher discovered on topic '{topic}', offering incompatible QoS. "
-        f"No messages will be received from it."
+    who, what, way = (
+        ("subscription", "requesting", "sent to") if is_publisher else ("publisher", "offering", "received from")
     )
-    return f"[WARN] [{seconds}.{nanoseconds:09}] [{node_name}]: {happened} Last incompatible policy: {policy}"
+    text = (
+        f"New {who} discovered on topic '{topic}', {what} incompatible QoS. No messages will be {way} it. "
+        f"Last incompatible policy: {qos_policy_name_from_kind(policy_kind)}"
+    )
+    return log_text("WARN", node_name, text, time.time_ns())

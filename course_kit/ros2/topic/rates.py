@@ -7,7 +7,7 @@ callback for each message could not follow. Only hz with --filter, and delay, wh
 from __future__ import annotations
 
 import time
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentTypeError, Namespace
 from collections import deque
 from collections.abc import Callable
 from contextlib import closing
@@ -16,14 +16,13 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.completion import names_of
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_node_arguments, add_offered
+from course_kit.ros2.verbs import NODE, Arguments, CommandError, Verb, all_of, argument, duration, failing, flag
 
 if TYPE_CHECKING:
     from course_kit.recordings.measure import Spread
     from course_kit.watching.raw_subscriptions import RawSubscription
 
 PERIOD = 1.0  # seconds between two lines
-HZ_WINDOW, BW_WINDOW, DELAY_WINDOW = 10_000, 100, 10_000
 
 
 def _positive_int(text: str) -> int:
@@ -32,94 +31,34 @@ def _positive_int(text: str) -> int:
     return int(text)
 
 
-def hz_text(rate: float, period: Spread, window: int) -> str:
-    """What hz prints: the rate in Hz, the spread of the periods in seconds, how many periods these are."""
-    return (
-        f"average rate: {rate:.3f}\n"
-        f"\tmin: {period.min:.3f}s max: {period.max:.3f}s std dev: {period.std:.5f}s window: {window}"
-    )
-
-
 def bw_text(bytes_per_second: float, size: Spread, window: int) -> str:
     """What bw prints: bytes a second and the spread of the sizes, all in the unit that fits the first."""
+    shown, divisor = "{:.2f} MB", 1_000_000
     if bytes_per_second < 1000:
-        shown = "{:.0f} B"
-        divisor = 1
+        shown, divisor = "{:.0f} B", 1
     elif bytes_per_second < 1_000_000:
         shown, divisor = "{:.2f} KB", 1000
-    else:
-        shown, divisor = "{:.2f} MB", 1_000_000
     total, mean, smallest, largest = (
         shown.format(value / divisor) for value in (bytes_per_second, size.mean, size.min, size.max)
     )
     return f"{total}/s from {window} messages\n\tMessage size mean: {mean} min: {smallest} max: {largest}"
 
 
-def delay_text(delay: Spread, window: int) -> str:
-    """What delay prints: the spread of the delays in seconds."""
+def seconds_text(average: str, spread: Spread, window: int) -> str:
+    """What hz and delay print: an average, the spread of times in seconds, how many these are."""
     return (
-        f"average delay: {delay.mean:.3f}\n"
-        f"\tmin: {delay.min:.3f}s max: {delay.max:.3f}s std dev: {delay.std:.5f}s window: {window}"
+        f"average {average}\n"
+        f"\tmin: {spread.min:.3f}s max: {spread.max:.3f}s std dev: {spread.std:.5f}s window: {window}"
     )
-
-
-def _wait_for_type(session: Session, topic: str) -> str:
-    """The type of a topic; waits for one to appear, with the real command's warning."""
-    from course_kit.watching import topics
-
-    name = endpoints.full_name(topic)
-    found = dict(session.graph().get_topic_names_and_types()).get(name, [])
-    if not found:
-        session.print(f"WARNING: topic [{topic}] does not appear to be published yet")
-        session.until(lambda: name in dict(session.node.get_topic_names_and_types()), poll=0.05)
-        found = dict(session.node.get_topic_names_and_types())[name]
-    types = sorted({p.topic_type for p in topics.publishers(session.node, name)}) or found
-    if len(types) > 1:
-        raise CommandError(f"Cannot echo topic '{topic}', as it contains more than one type: [{', '.join(types)}]")
-    return types[0]
 
 
 def _subscribe(session: Session, topic: str, callback: Callable[[bytes, dict[str, Any]], None]) -> RawSubscription:
     """Have the callback called, in the watching thread, with each serialised message of a topic."""
     from course_kit.watching import instruments
 
-    kind = _wait_for_type(session, topic)
-    try:
+    kind = endpoints.type_of(session, topic, waits=True)
+    with failing(ImportError, TypeError, ValueError):
         return instruments.subscribe(endpoints.full_name(topic), callback, kind)
-    except (ImportError, TypeError, ValueError) as error:
-        raise CommandError(str(error)) from None
-
-
-def _hz_arguments(parser: ArgumentParser) -> None:
-    parser.description = (
-        "Print the average receiving rate to screen.\n\nnote:\n  This rate is the one at which messages arrive here, "
-        "which the machine's load and the QoS may make differ from the publisher's."
-    )
-    add_offered(parser, "topic_name", names_of("topic"), "Name of the ROS topic to listen to (e.g. '/chatter')")
-    parser.add_argument(
-        "--window",
-        "-w",
-        dest="window_size",
-        type=_positive_int,
-        default=HZ_WINDOW,
-        help=f"window size, in # of messages, for calculating rate (default: {HZ_WINDOW})",
-        metavar="WINDOW",
-    )
-    parser.add_argument(
-        "--filter",
-        dest="filter_expr",
-        default=None,
-        help="only measure messages matching the specified Python expression",
-        metavar="EXPR",
-    )
-    parser.add_argument(
-        "--wall-time",
-        dest="use_wtime",
-        action="store_true",
-        help="calculates rate using wall time which can be helpful when clock is not published during simulation",
-    )
-    add_node_arguments(parser)
-    add_duration_argument(parser)
 
 
 def _hz(args: Namespace, session: Session) -> None:
@@ -128,51 +67,29 @@ def _hz(args: Namespace, session: Session) -> None:
     from course_kit.recordings.measure import ArrivalWindow, measure
     from course_kit.ros2.topic.echo_text import expression
 
-    window = ArrivalWindow(args.window_size + 1)  # so many periods
+    window = ArrivalWindow(args.window + 1)  # so many periods
     append = window.appender()
-    matches = expression(args.filter_expr) if args.filter_expr else None
-    failures: deque[str] = deque(maxlen=1)
+    matches = expression(args.filter) if args.filter else None
+    failures: deque[CommandError] = deque(maxlen=1)
 
     def receive(data: bytes, info: dict[str, Any]) -> None:
-        if matches is not None:
-            try:
-                if not matches(deserialize_message(data, subscription.message_type)):
-                    return
-            except CommandError as error:  # it belongs to the main thread
-                failures.append(str(error))
-                return
-        append(info["received_timestamp"], len(data))
+        try:
+            if matches is None or matches(deserialize_message(data, subscription.message_type)):
+                append(info["received_timestamp"], len(data))
+        except CommandError as error:  # it belongs to the main thread
+            failures.append(error)
 
     last = 0
     with closing(_subscribe(session, args.topic_name, receive)) as subscription:
         while True:
             session.sleep(PERIOD)
             if failures:
-                raise CommandError(failures[0])
+                raise failures[0]
             receive_ns, sizes, count = window.arrivals()
             if count > max(last, 1):
                 reading = measure(receive_ns, sizes, count)
-                session.print(hz_text(reading.rate, reading.period, reading.window - 1))
+                session.print(seconds_text(f"rate: {reading.rate:.3f}", reading.period, reading.window - 1))
                 last = count
-
-
-def _topic_and_window(parser: ArgumentParser, topic: str, window: str, default: int) -> None:
-    """The arguments of bw and delay, with what the help says of each."""
-    add_offered(parser, "topic", names_of("topic"), topic)
-    parser.add_argument(
-        "--window", "-w", type=_positive_int, default=default, help=f"{window} (default: {default})", metavar="WINDOW"
-    )
-    add_node_arguments(parser)
-    add_duration_argument(parser)
-
-
-def _bw_arguments(parser: ArgumentParser) -> None:
-    _topic_and_window(
-        parser,
-        "Topic name to monitor for bandwidth utilization",
-        "maximum window size, in # of messages, for calculating rate",
-        BW_WINDOW,
-    )
 
 
 def _bw(args: Namespace, session: Session) -> None:
@@ -193,22 +110,13 @@ def _bw(args: Namespace, session: Session) -> None:
                 session.print(bw_text(float(sizes.sum()) / seconds, spread(sizes), len(sizes)))
 
 
-def _delay_arguments(parser: ArgumentParser) -> None:
-    _topic_and_window(
-        parser,
-        "Topic name to calculate the delay for",
-        "window size, in # of messages, for calculating rate, string to",
-        DELAY_WINDOW,
-    )
-
-
 def _delay(args: Namespace, session: Session) -> None:
     from rclpy.serialization import deserialize_message
 
     from course_kit.recordings.measure import spread
     from course_kit.watching import topics
 
-    kind = topics.message_class(_wait_for_type(session, args.topic))
+    kind = topics.message_class(endpoints.type_of(session, args.topic, waits=True))
     if "header" not in kind.get_fields_and_field_types():
         raise CommandError("msg does not have header")
     delays: deque[float] = deque(maxlen=args.window)
@@ -223,15 +131,36 @@ def _delay(args: Namespace, session: Session) -> None:
     with closing(_subscribe(session, args.topic, receive)):
         while True:
             session.sleep(PERIOD)
-            if count == last:
-                if last:
-                    session.print("no new messages")
-                continue
-            last = count
-            values = list(delays)
-            session.print(delay_text(spread(values), len(values)))
+            if count > last:
+                last, values = count, list(delays)
+                delay = spread(values)
+                session.print(seconds_text(f"delay: {delay.mean:.3f}", delay, len(values)))
+            elif last:
+                session.print("no new messages")
 
 
-HZ = Verb("Print the average receiving rate to screen", _hz, _hz_arguments)
-BW = Verb("Display bandwidth used by topic", _bw, _bw_arguments)
-DELAY = Verb("Display delay of topic from timestamp in header", _delay, _delay_arguments)
+def _measured(topic: str, window: int, *more: Arguments) -> Arguments:
+    """The arguments of all three; `topic` is what the usage calls it."""
+    return all_of(
+        argument(topic, "the topic, such as /scan", names_of("topic")),
+        argument(
+            "--window -w", f"over the last so many messages (default: {window})", type=_positive_int, default=window
+        ),
+        *more,
+        NODE,
+        duration,
+    )
+
+
+HZ = Verb(
+    "measure how many messages of a topic arrive a second",
+    _hz,
+    _measured(
+        "topic_name",
+        10_000,
+        argument("--filter", "only messages m for which this Python expression is true", metavar="EXPR"),
+        flag("--wall-time", "accepted: it is always the wall clock that counts"),
+    ),
+)
+BW = Verb("measure how many bytes of a topic arrive a second", _bw, _measured("topic", 100))
+DELAY = Verb("measure how long after its stamp each message arrives", _delay, _measured("topic", 10_000))
