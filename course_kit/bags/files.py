@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from course_kit.bags.storage import BagError, open_storage
+from course_kit.internals import NotAsExpected
 
 METADATA = "metadata.yaml"
 STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
@@ -68,13 +69,13 @@ class OpenBag:
     connections: list[Any]
     start: int
     is_complete: bool
-    _readers: Sequence[Any]
+    readers: Sequence[Any]  # rosbags', one for the bag or one for each storage file
 
     def messages(self, connections: Sequence[Any], start: int | None = None) -> Iterator[tuple[Any, int, bytes]]:
         """(connection, time of receipt, serialised message), in the order of time, from `start` on."""
         if not connections:
             return
-        for reader in self._readers:
+        for reader in self.readers:
             wanted = {c.id: own for c in reader.connections for own in connections if _key(c) == _key(own)}
             there = [c for c in reader.connections if c.id in wanted]
             if there:
@@ -119,8 +120,7 @@ def info(path: str | os.PathLike[str]) -> BagInfo:
             BagTopic(c.topic, c.msgtype, c.msgcount, c.ext.serialization_format, c.digest) for c in bag.connections
         ]
         files = storage_files(place) if place.is_dir() else [place]
-        spans = [r.metadata for r in bag._readers if r.metadata.message_count]
-        end = max((span.end_time - 1 for span in spans), default=bag.start)
+        end = max((reader.end_time - 1 for reader in bag.readers if reader.message_count), default=bag.start)
         return BagInfo(
             place,
             [file.name if place.is_dir() else str(path) for file in files],
@@ -193,11 +193,10 @@ def opened(path: str | os.PathLike[str]) -> Iterator[OpenBag]:
         try:
             if (place / METADATA).is_file():
                 reader = stack.enter_context(Reader(place))
-                start = reader.start_time
-                bag = OpenBag(list(reader.connections), start, True, [reader])
+                bag = OpenBag(list(reader.connections), reader.start_time, True, [reader])
             else:
                 bag = _open_files(place, stack)
-        except ReaderError as error:
+        except (ReaderError, NotAsExpected) as error:
             raise BagError(f"'{path}' cannot be read as a bag: {error}") from None
         except OSError as error:
             raise BagError(f"'{path}' cannot be read: {error.strerror or error}") from None
@@ -220,4 +219,4 @@ def _open_files(place: Path, stack: ExitStack) -> OpenBag:
         known = merged.get(_key(connection))
         count = connection.msgcount + (known.msgcount if known else 0)
         merged[_key(connection)] = (known or connection)._replace(msgcount=count)
-    return OpenBag(list(merged.values()), min(r.metadata.start_time for r in readers), is_complete, readers)
+    return OpenBag(list(merged.values()), min(reader.start_time for reader in readers), is_complete, readers)

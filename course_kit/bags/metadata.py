@@ -2,64 +2,84 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from rosbags.interfaces import Connection
-from rosbags.rosbag2.metadata import dump_qos_v9
+from rosbags.interfaces import Connection, QosTime
 
 from course_kit.bags.files import METADATA
 from course_kit.bags.storage import NO_TIME
+from course_kit.internals.rosbags_parts import DISTRO
 
 VERSION = 9
-DISTRO = os.environ.get("ROS_DISTRO") or "jazzy"
+
+
+@dataclass
+class Span:
+    """One storage file: its name, from when to when its messages are (nanoseconds), and how many."""
+
+    name: str
+    start: int = NO_TIME
+    end: int = 0
+    count: int = 0
+
+    def described(self) -> dict[str, Any]:
+        """When it begins, how long it is and how many messages it has, in rosbag2's words."""
+        return {
+            "starting_time": {"nanoseconds_since_epoch": self.start},
+            "duration": {"nanoseconds": self.end - self.start if self.count else 0},
+            "message_count": self.count,
+        }
 
 
 def metadata_of(
-    storage: str,
-    files: Sequence[tuple[str, int, int, int]],
-    topics: Sequence[tuple[Connection, int]],
-    custom_data: Mapping[str, str] | None = None,
+    storage: str, files: Sequence[Span], topics: Sequence[Connection], custom_data: Mapping[str, str] | None = None
 ) -> dict[str, Any]:
-    """rosbag2's description of a bag, from its files (name, start and duration in ns, messages) and its topics."""
-    start = min((begin for _, begin, _, count in files if count), default=NO_TIME)
-    end = max((begin + duration for _, begin, duration, count in files if count), default=NO_TIME)
+    """rosbag2's description of a bag, from its files and its topics."""
+    filled = [span for span in files if span.count]
+    start = min((span.start for span in filled), default=NO_TIME)
+    end = max((span.end for span in filled), default=NO_TIME)
     return {
         "version": VERSION,
         "storage_identifier": storage,
         "duration": {"nanoseconds": end - start},
         "starting_time": {"nanoseconds_since_epoch": start},
-        "message_count": sum(count for *_, count in files),
+        "message_count": sum(span.count for span in files),
         "topics_with_message_count": [
             {
                 "topic_metadata": {
                     "name": connection.topic,
                     "type": connection.msgtype,
                     "serialization_format": "cdr",
-                    "offered_qos_profiles": dump_qos_v9(connection.ext.offered_qos_profiles),  # type: ignore[union-attr]
+                    "offered_qos_profiles": profiles_of(connection),
                     "type_description_hash": connection.digest,
                 },
-                "message_count": count,
+                "message_count": connection.msgcount,
             }
-            for connection, count in topics
+            for connection in topics
         ],
         "compression_format": "",
         "compression_mode": "",
-        "relative_file_paths": [name for name, *_ in files],
-        "files": [
-            {
-                "path": name,
-                "starting_time": {"nanoseconds_since_epoch": begin},
-                "duration": {"nanoseconds": duration},
-                "message_count": count,
-            }
-            for name, begin, duration, count in files
-        ],
+        "relative_file_paths": [span.name for span in files],
+        "files": [{"path": span.name, **span.described()} for span in files],
         "custom_data": dict(custom_data) if custom_data else None,
         "ros_distro": DISTRO,
     }
+
+
+def profiles_of(connection: Connection) -> list[dict[str, Any]]:
+    """The QoS profiles of a topic's publishers as rosbag2 writes them: policies by their names, times in parts."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, Enum):
+            return value.name.lower()
+        return value._asdict() if isinstance(value, QosTime) else value
+
+    profiles = connection.ext.offered_qos_profiles  # type: ignore[union-attr]
+    return [{name: plain(value) for name, value in profile._asdict().items()} for profile in profiles]
 
 
 def write_metadata(folder: Path, metadata: Mapping[str, Any]) -> None:

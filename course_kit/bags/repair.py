@@ -6,12 +6,17 @@ import contextlib
 import os
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from course_kit.bags.files import METADATA, is_being_recorded, opened, storage_files
-from course_kit.bags.metadata import VERSION, as_yaml, metadata_of, write_metadata
-from course_kit.bags.storage import BagError, channel_words, open_storage
-from course_kit.bags.writer import McapFile
+from course_kit.bags.files import METADATA, STORAGES, is_being_recorded, opened, storage_files
+from course_kit.bags.metadata import VERSION, Span, as_yaml, metadata_of, write_metadata
+from course_kit.bags.storage import BagError, open_storage
+from course_kit.bags.writer import announce
+from course_kit.internals import NotAsExpected
+from course_kit.internals.rosbags_parts import McapFile
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2 import Reader
 
 
 def reindex(folder: str | os.PathLike[str]) -> dict[str, int]:
@@ -31,18 +36,15 @@ def reindex(folder: str | os.PathLike[str]) -> dict[str, int]:
     for file in files:
         try:
             count = _complete(file)
-        except OSError as error:
-            raise BagError(f"'{file}' cannot be completed: {error.strerror or error}") from None
+        except (OSError, NotAsExpected) as error:
+            raise BagError(f"'{file}' cannot be completed: {getattr(error, 'strerror', '') or error}") from None
         if count is not None:
             completed[file.name] = count
     with contextlib.suppress(FileNotFoundError):
         (place / METADATA).unlink()  # so that the files themselves are asked
     with opened(place) as bag:
-        spans = [(file.name, reader.metadata) for file, reader in zip(files, bag._readers, strict=True)]
-        described = [(name, span.start_time, max(0, span.duration - 1), span.message_count) for name, span in spans]
-        topics = [(connection, connection.msgcount) for connection in bag.connections]
-        storage = "sqlite3" if files[0].suffix == ".db3" else "mcap"
-        write_metadata(place, metadata_of(storage, described, topics))
+        spans = [_span(file, reader) for file, reader in zip(files, bag.readers, strict=True)]
+        write_metadata(place, metadata_of(STORAGES[files[0].suffix], spans, bag.connections))
     return completed
 
 
@@ -52,7 +54,7 @@ def _complete(file: Path) -> int | None:
     with contextlib.closing(reader):
         if was_closed:
             return None
-        count = int(reader.metadata.message_count)
+        count = reader.message_count
         if file.suffix == ".mcap":  # an sqlite3 file is whole once opening it has undone what was half written
             with tempfile.TemporaryDirectory(dir=file.parent, prefix=".reindex") as folder:
                 draft = Path(folder, file.name)
@@ -61,23 +63,20 @@ def _complete(file: Path) -> int | None:
         return count
 
 
-def _copy(reader: Any, file: Path) -> None:
+def _copy(reader: Reader, file: Path) -> None:
     """Write what an open storage file holds into a new mcap file."""
     copy = McapFile(file)
     try:
-        known: set[str] = set()
         for connection in reader.connections:
-            if connection.msgtype not in known:
-                copy.add_msgtype(connection)
-                known.add(connection.msgtype)
-            copy.add_connection(connection, channel_words(reader, connection.id).get("offered_qos_profiles", ""))
-        for connection, nanoseconds, data in reader.messages(reader.connections):
+            announce(copy, connection)
+        for connection, nanoseconds, data in reader.messages():
             copy.write(connection, nanoseconds, data)
-        span = reader.metadata
-        span_of_file = (file.name, span.start_time, max(0, span.duration - 1), span.message_count)
-        topics = [(connection, connection.msgcount) for connection in reader.connections]
-        copy.close(VERSION, as_yaml(metadata_of("mcap", [span_of_file], topics)))
+        copy.close(VERSION, as_yaml(metadata_of("mcap", [_span(file, reader)], reader.connections)))
     except BaseException:
         with contextlib.suppress(Exception):
             copy.abort()
         raise
+
+
+def _span(file: Path, reader: Reader) -> Span:
+    return Span(file.name, reader.start_time, reader.end_time - 1, reader.message_count)

@@ -9,118 +9,30 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
-import sqlite3
+import shutil
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition, MessageDefinitionFormat
-from rosbags.rosbag2 import CompressionMode
-from rosbags.rosbag2.metadata import dump_qos_v9
-from rosbags.rosbag2.storage_mcap import Channel, McapWriter, write_channel
-from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
-from course_kit.bags.metadata import DISTRO, VERSION, as_yaml, metadata_of, write_metadata
-from course_kit.bags.storage import NO_TIME
+from course_kit.bags.metadata import VERSION, Span, as_yaml, metadata_of, profiles_of, write_metadata
+from course_kit.bags.storage import BagError
 from course_kit.bags.types import definition, type_hash
+from course_kit.internals import NotAsExpected
+from course_kit.internals.rosbags_parts import FILES, StorageFile
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Qos
-
-
-class McapFile(McapWriter):
-    """An mcap file whose channels tell the types' hashes, as rosbag2's do."""
-
-    ENDING = ".mcap"
-
-    def __init__(self, path: Path) -> None:
-        super().__init__(path.parent, CompressionMode.NONE)  # names the file like the folder
-        self.path = self.path.rename(path)
-        self.bio.flush()  # an mcap file from the first moment on
-
-    def add_connection(self, connection: Connection, offered_qos_profiles: str) -> None:
-        """Make a topic known, with its type's hash."""
-        pairs = {"offered_qos_profiles": offered_qos_profiles, "topic_type_hash": connection.digest}
-        words = [word.encode() for pair in pairs.items() for word in pair]
-        metadata = b"".join(len(word).to_bytes(4, "little") + word for word in words)
-        self.channels.append(Channel(connection.id, connection.msgtype, connection.topic, "cdr", metadata))
-        self.channel_stats[connection.id] = 0
-        write_channel(self.chunk.bio, self.channels[-1], self.schemas)
-
-    @property
-    def size(self) -> int:
-        """Bytes so far, with those that are not written out yet."""
-        return int(self.bio.tell() + self.chunk.bio.tell())
-
-    def flush(self) -> None:
-        """Hand everything to the operating system."""
-        if self.chunk.msgs:
-            self.close_chunk()
-        self.bio.flush()
-
-    def close(self, version: int, metadata: str) -> None:
-        """Write the index and close the file."""
-        if not self.chunk.msgs:  # the format wants 0 where there is no message
-            self.chunk.message_start_time = 0
-        if not any(self.channel_stats.values()):
-            self.message_start_time = 0
-        super().close(version, metadata)
-
-
-class Sqlite3File(Sqlite3Writer):
-    """An sqlite3 file that several threads may write to, one at a time."""
-
-    ENDING = ".db3"
-
-    def __init__(self, path: Path) -> None:
-        super().__init__(path.parent, CompressionMode.NONE)
-        # Opened anew under its own name, by which SQLite finds what to undo after a crash.
-        self.conn.close()
-        self.path = self.path.rename(path)
-        self.conn = sqlite3.connect(self.path, check_same_thread=False)
-        self.cursor = self.conn.cursor()
-        self.cursor.execute("UPDATE schema SET ros_distro = ?", (DISTRO,))
-        self.conn.commit()
-        self.size = 0
-
-    def write(self, connection: Connection, timestamp: int, data: bytes | memoryview) -> None:
-        """Add a message; `timestamp` in ns."""
-        self.size += len(data)
-        super().write(connection, timestamp, data)
-
-    def flush(self) -> None:
-        """Commit everything."""
-        self.conn.commit()
-
-
-FILES: Mapping[str, type[McapFile | Sqlite3File]] = {"mcap": McapFile, "sqlite3": Sqlite3File}
-
-
-@dataclass
-class _Span:
-    """One storage file: its name, and from when to when its messages are."""
-
-    name: str
-    start: int = NO_TIME
-    end: int = 0
-    count: int = 0
-
-    def add(self, nanoseconds: int) -> None:
-        self.start, self.end = min(self.start, nanoseconds), max(self.end, nanoseconds)
-        self.count += 1
-
-    @property
-    def duration(self) -> int:
-        return self.end - self.start if self.count else 0
 
 
 class BagWriter:
     """A new bag in a new folder; safe to use from several threads.
 
     With `max_size` (bytes) or `max_seconds` it goes on in a further file when one has reached either. Raises
-    FileExistsError if the folder is there, OSError or sqlite3.Error when writing fails.
+    FileExistsError if the folder is there, BagError if files of this kind cannot be written here, OSError or
+    sqlite3.Error when writing fails.
     """
 
     def __init__(
@@ -137,27 +49,30 @@ class BagWriter:
         self._custom_data = dict(custom_data or {})
         self._connections: dict[str, Connection] = {}
         self._counts: dict[str, int] = {}
-        self._spans: list[_Span] = []
+        self._spans: list[Span] = []
         self._thread_lock = threading.RLock()
         self.folder.mkdir(parents=True)
         self._folder_lock = os.open(self.folder, os.O_RDONLY)
         fcntl.flock(self._folder_lock, fcntl.LOCK_EX)
-        self._file = self._open_next()
+        try:
+            self._file = self._open_next()
+        except NotAsExpected as error:
+            self._unlock()
+            shutil.rmtree(self.folder)
+            raise BagError(f"No bag of {storage} can be written: {error}") from None
 
     @property
     def message_count(self) -> int:
         """Messages of all topics so far."""
         return sum(self._counts.values())
 
-    def _open_next(self) -> McapFile | Sqlite3File:
+    def _open_next(self) -> StorageFile:
         kind = FILES[self.storage]
         name = f"{self.folder.name}_{len(self._spans)}{kind.ENDING}"
         file = kind(self.folder / name)
-        self._spans.append(_Span(name))
-        types: set[str] = set()
+        self._spans.append(Span(name))
         for connection in self._connections.values():
-            _announce(file, connection, is_new_type=connection.msgtype not in types)
-            types.add(connection.msgtype)
+            announce(file, connection)
         return file
 
     def add_topic(
@@ -180,10 +95,9 @@ class BagWriter:
             self,
         )
         with self._thread_lock:
-            is_new_type = all(other.msgtype != type_name for other in self._connections.values())
             self._connections[topic] = connection
             self._counts[topic] = 0
-            _announce(self._file, connection, is_new_type)
+            announce(self._file, connection)
             self._file.flush()
 
     def write(self, topic: str, nanoseconds: int, data: bytes) -> None:
@@ -196,9 +110,10 @@ class BagWriter:
                 span = self._spans[-1]
             self._file.write(self._connections[topic], nanoseconds, data)
             self._counts[topic] += 1
-            span.add(nanoseconds)
+            span.start, span.end = min(span.start, nanoseconds), max(span.end, nanoseconds)
+            span.count += 1
 
-    def _is_full(self, span: _Span, nanoseconds: int) -> bool:
+    def _is_full(self, span: Span, nanoseconds: int) -> bool:
         too_large = 0 < self._max_size <= self._file.size
         too_long = 0 < self._max_ns <= nanoseconds - span.start
         return too_large or too_long
@@ -229,17 +144,11 @@ class BagWriter:
             self._folder_lock = -1
 
     def _metadata(self) -> dict[str, Any]:
-        return metadata_of(
-            self.storage,
-            [(span.name, span.start, span.duration, span.count) for span in self._spans],
-            [(connection, self._counts[topic]) for topic, connection in self._connections.items()],
-            self._custom_data,
-        )
+        topics = [connection._replace(msgcount=self._counts[topic]) for topic, connection in self._connections.items()]
+        return metadata_of(self.storage, self._spans, topics, self._custom_data)
 
 
-def _announce(file: McapFile | Sqlite3File, connection: Connection, is_new_type: bool) -> None:
-    assert isinstance(connection.ext, ConnectionExtRosbag2)
-    if is_new_type:
-        file.add_msgtype(connection)
-    profiles = dump_qos_v9(connection.ext.offered_qos_profiles)
-    file.add_connection(connection, as_yaml(profiles) if profiles else "")
+def announce(file: StorageFile, connection: Connection) -> None:
+    """Make a topic known to a storage file, with the profiles of its publishers."""
+    profiles = profiles_of(connection)
+    file.add(connection, as_yaml(profiles) if profiles else "")

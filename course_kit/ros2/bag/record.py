@@ -134,6 +134,7 @@ def _record(args: Namespace, session: Session) -> int:
     overrides = qos_overrides(args.qos_profile_overrides_path)
 
     from course_kit.bags.recorder import LogLine, Recorder
+    from course_kit.bags.storage import BagError
     from course_kit.bags.writer import BagWriter
     from course_kit.ros2.bag.keys import Keys
 
@@ -144,7 +145,9 @@ def _record(args: Namespace, session: Session) -> int:
             custom = dict(pair.partition("=")[::2] for pair in args.custom_data)
             writer = BagWriter(folder, args.storage, args.max_bag_size, args.max_bag_duration, custom)
         except OSError as error:
-            raise CommandError(f"[ERROR] [ros2bag]: Could not create bag folder '{folder}': {error.strerror}") from None
+            raise _error(f"Could not create bag folder '{folder}': {error.strerror}") from None
+        except BagError as error:
+            raise _error(str(error)) from None
         recorder = Recorder(
             writer,
             selection,
