@@ -1,4 +1,4 @@
-"""A child process of a launch: started, read line by line, signalled, awaited."""
+"""A child process of a launch: started, read line by line, awaited."""
 
 from __future__ import annotations
 
@@ -6,16 +6,11 @@ import asyncio
 import contextlib
 import os
 import pty
-import signal
 import subprocess
 import threading
 from collections.abc import Callable, Iterable, Sequence
 
-from course_kit.programs.process_output import LineCutter
-
-CHUNK = 65536
-# Output that grandchildren hold open is not waited for longer than this once the process has ended.
-PATIENCE = 0.5
+from course_kit.programs.process_output import CHUNK, PATIENCE, LineCutter
 
 
 class Child:
@@ -36,12 +31,11 @@ class Child:
         self._on_data = on_data
         self._on_line = on_line
         self.ended: asyncio.Future[int] = loop.create_future()
-        self._code: int | None = None
         # Of each pair, the first end is ours.
         pipes = [pty.openpty() if emulate_tty else os.pipe() for _ in range(2)]
         try:
-            self._process = subprocess.Popen(
-                " ".join(cmd) if shell else list(cmd),
+            self.process = subprocess.Popen(
+                " ".join(cmd) if shell else cmd,
                 cwd=cwd,
                 env=env,
                 shell=shell,
@@ -50,43 +44,37 @@ class Child:
                 stderr=pipes[1][1],
             )
         except BaseException:
-            for fd in (fd for pair in pipes for fd in pair):
-                os.close(fd)
+            for ours, _ in pipes:
+                os.close(ours)
             raise
-        self.pid = self._process.pid
-        self._sources: dict[int, tuple[str, LineCutter]] = {}
-        for source, (ours, theirs) in zip(("stdout", "stderr"), pipes, strict=True):
-            os.close(theirs)
-            os.set_blocking(ours, False)
-            self._sources[ours] = source, LineCutter()
-            loop.add_reader(ours, self._read, ours)
-        threading.Thread(target=self._wait, name=f"wait for {self.pid}", daemon=True).start()
+        finally:
+            for _, theirs in pipes:
+                os.close(theirs)
+        self._sources = {
+            ours: (name, LineCutter()) for name, (ours, _) in zip(("stdout", "stderr"), pipes, strict=True)
+        }
+        for fd in self._sources:
+            loop.add_reader(fd, self._read, fd)
+        threading.Thread(target=self._wait, name=f"wait for {self.process.pid}", daemon=True).start()
 
     def _wait(self) -> None:
-        code = self._process.wait()
+        self.process.wait()
         with contextlib.suppress(RuntimeError):  # the launch is over
-            self._loop.call_soon_threadsafe(self._exited, code)
+            self._loop.call_soon_threadsafe(self._exited)
 
-    def _exited(self, code: int) -> None:
-        self._code = code
-        if self._sources:
-            self._loop.call_later(PATIENCE, self._finish)
-        else:
-            self._finish()
+    def _exited(self) -> None:
+        self._loop.call_later(PATIENCE if self._sources else 0, self._finish)
 
     def _finish(self) -> None:
         for source, lines in self._sources.values():
             self._write(source, lines.rest())
-        if self._code is not None and not self.ended.done():
-            self.ended.set_result(self._code)
+        if not self.ended.done():
+            self.ended.set_result(self.process.returncode)
 
     def _read(self, fd: int) -> None:
-        try:
+        data = b""
+        with contextlib.suppress(OSError):  # how a terminal tells its end
             data = os.read(fd, CHUNK)
-        except BlockingIOError:
-            return
-        except OSError:  # how a terminal tells its end
-            data = b""
         source, lines = self._sources[fd]
         if data:
             self._on_data(source, data)
@@ -96,15 +84,9 @@ class Child:
         self._loop.remove_reader(fd)
         os.close(fd)
         del self._sources[fd]
-        if not self._sources and self._code is not None:
+        if not self._sources and self.process.returncode is not None:
             self._finish()
 
     def _write(self, source: str, lines: Iterable[str]) -> None:
         for line in lines:
             self._on_line(source, line)
-
-    def send(self, number: signal.Signals) -> None:
-        """Send a signal, unless it has ended."""
-        if self._code is None:
-            with contextlib.suppress(ProcessLookupError):
-                self._process.send_signal(number)

@@ -66,10 +66,7 @@ class ExecuteProcess(Action):
         self.additional_env = _pairs(additional_env)
         self._prefix = prefix
         self._name = None if name is None else normalize(name)
-        self._timeouts = (
-            _seconds("sigterm_timeout", sigterm_timeout),
-            _seconds("sigkill_timeout", sigkill_timeout),
-        )
+        self._timeouts = _seconds("sigterm_timeout", sigterm_timeout), _seconds("sigkill_timeout", sigkill_timeout)
         self._emulate_tty = emulate_tty
         self._output = os.environ.get("OVERRIDE_LAUNCH_PROCESS_OUTPUT") or output
         self._output_format = output_format
@@ -79,23 +76,13 @@ class ExecuteProcess(Action):
         self._respawn = respawn
         self._respawn_delay = respawn_delay
         self._retries_left = respawn_max_retries  # negative: no end of them
-        self.final_name: str | None = None
-        self.process_details: dict[str, Any] | None = None
+        self.name = self.final_name = ""  # such as talker-1, once it is executed
+        self.process_description = self  # where output_format finds the final name
+        self.process_details: dict[str, Any] = {}
         self.return_code: int | None = None
         self._child: Child | None = None
-        self._completed: asyncio.Future[None] | None = None
-        self._ending: asyncio.Future[None] | None = None
+        self._task: asyncio.Task[None] | None = None
         self._timers: list[asyncio.TimerHandle] = []
-
-    @property
-    def process_description(self) -> ExecuteProcess:
-        """Where output_format finds the final name."""
-        return self
-
-    @property
-    def name(self) -> str:
-        """The name of the process once it is executed, such as talker-1."""
-        return self.final_name or ""
 
     def get_stdout(self) -> str:
         """What it wrote to stdout, if cached_output is on."""
@@ -116,17 +103,16 @@ class ExecuteProcess(Action):
 
     def get_asyncio_future(self) -> asyncio.Future[None] | None:
         """Done when it has ended for good."""
-        return self._completed
+        return self._task
 
     def execute(self, context: LaunchContext) -> Entities:
         """Start it, and handle the events that are about it."""
-        if self._completed is not None:
+        if self._task is not None:
             raise RuntimeError(f"ExecuteLocal action '{self.name}': executed more than once: {self.describe()}")
         self._prepare(context)
         if context.is_shutdown:
             return None
-        loop = context.asyncio_loop
-        self._completed, self._ending = loop.create_future(), loop.create_future()
+        self._ending = context.asyncio_loop.create_future()
         for handler in (
             _on(events.ShutdownProcess, self._on_shutdown_process),
             _on(events.SignalProcess, self._on_signal),
@@ -134,7 +120,7 @@ class ExecuteProcess(Action):
             OnProcessExit(target_action=self, on_exit=self._on_exit),
         ):
             context.register_event_handler(handler)
-        self._task = loop.create_task(self._run(context))
+        self._task = context.asyncio_loop.create_task(self._run(context))
         return None
 
     def _prepare(self, context: LaunchContext) -> None:
@@ -147,25 +133,23 @@ class ExecuteProcess(Action):
             if re.match(values.get("launch-prefix-filter", ""), os.path.basename(cmd[0])):
                 cmd = shlex.split(values.get("launch-prefix", "")) + cmd
         name = os.path.basename(cmd[0]) if self._name is None else perform(context, self._name)
-        self.final_name = f"{name}-{next(_numbers)}"
+        name = self.name = self.final_name = f"{name}-{next(_numbers)}"
         environment = dict(context.environment) if self.env is None else {}
         for key, value in [*(self.env or ()), *(self.additional_env or ())]:
             environment[perform(context, key)] = perform(context, value)
         cwd = None if self.cwd is None else perform(context, self.cwd)
-        self.process_details = {
-            "action": self, "name": self.final_name, "cmd": cmd, "cwd": cwd, "env": environment, "pid": 0
-        }  # fmt: skip
+        self.process_details = {"action": self, "name": name, "cmd": cmd, "cwd": cwd, "env": environment, "pid": 0}
+        self._words = " ".join(part for part in cmd if part.strip())
         if not isinstance(self._respawn, bool):
             self._respawn = as_bool(perform(context, self._respawn))
-        self._logger = output.get_logger(self.final_name)
+        self._logger = output.get_logger(self.name)
         config = self._output
         if isinstance(config, str) or is_substitution(config):
             config = perform(context, config)
-        self._lines = output.ProcessOutput(self.final_name, config)
+        self._lines = output.ProcessOutput(self.name, config)
         self._sigterm_timeout, self._sigkill_timeout = (perform(context, t) for t in self._timeouts)
 
     async def _run(self, context: LaunchContext) -> None:
-        assert self._ending is not None and self._completed is not None
         while not self._ending.done():
             try:
                 self._child = self._start(context)
@@ -173,9 +157,8 @@ class ExecuteProcess(Action):
                 self._logger.error(f"exception occurred while executing process: {error}")
                 self._logger.debug(traceback.format_exc())
                 break
-            code = await self._child.ended
-            self.return_code = code
-            self._report_end(code, context)
+            self.return_code = await self._child.ended
+            self._report_end(self.return_code, context)
             if context.is_shutdown or self._ending.done() or not self._respawn or self._retries_left == 0:
                 break
             self._retries_left -= 1
@@ -183,43 +166,32 @@ class ExecuteProcess(Action):
                 await asyncio.wait({self._ending}, timeout=float(self._respawn_delay))
         for timer in self._timers:
             timer.cancel()
-        if not self._completed.done():
-            self._completed.set_result(None)
 
     def _start(self, context: LaunchContext) -> Child:
-        assert self.process_details is not None
         details = self.process_details
-        words = " ".join(part for part in details["cmd"] if part.strip())
         if self._log_cmd:
-            custom = "True" if details["env"] is not None else "False"
-            self._logger.info(f"process details: cmd='{words}', cwd='{details['cwd']}', custom_env?={custom}")
-        wants_tty = self._emulate_tty
-        if "emulate_tty" in context.launch_configurations:
-            wants_tty = as_bool(context.launch_configurations["emulate_tty"])
+            self._logger.info(f"process details: cmd='{self._words}', cwd='{details['cwd']}', custom_env?=True")
+        wants_tty = context.launch_configurations.get("emulate_tty", str(bool(self._emulate_tty)))
         environment = dict(details["env"])
-        if context.token:
-            orphans.mark(environment, context.token)
+        orphans.mark(environment, context.token)
         child = Child(
-            context.asyncio_loop, details["cmd"], details["cwd"], environment, self.shell, wants_tty,
+            context.asyncio_loop, details["cmd"], details["cwd"], environment, self.shell, as_bool(wants_tty),
             on_data=lambda source, data: self._on_data(context, source, data), on_line=self._on_line,
         )  # fmt: skip
-        details["pid"] = child.pid
-        self._logger.info(f"process started with pid [{child.pid}]")
+        details["pid"] = child.process.pid
+        self._logger.info(f"process started with pid [{child.process.pid}]")
         context.emit_event_sync(events.ProcessStarted(**details))
         return child
 
     def _report_end(self, code: int, context: LaunchContext) -> None:
-        assert self.process_details is not None
-        pid, cmd = self.process_details["pid"], self.process_details["cmd"]
+        pid = self.process_details["pid"]
         if code == 0:
             self._logger.info(f"process has finished cleanly [pid {pid}]")
         else:
-            words = " ".join(part for part in cmd if part.strip())
-            self._logger.error(f"process has died [pid {pid}, exit code {code}, cmd '{words}'].")
+            self._logger.error(f"process has died [pid {pid}, exit code {code}, cmd '{self._words}'].")
         context.emit_event_sync(events.ProcessExited(returncode=code, **self.process_details))
 
     def _on_data(self, context: LaunchContext, source: str, data: bytes) -> None:
-        assert self.process_details is not None
         if self._cached is not None:
             self._cached[source].append(data.decode(errors="replace"))
         event_type = events.ProcessStdout if source == "stdout" else events.ProcessStderr
@@ -232,20 +204,18 @@ class ExecuteProcess(Action):
 
     def _on_shutdown(self, event: events.Shutdown, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         # After Ctrl-C in a terminal the process has its SIGINT already: the whole process group got it.
-        wanted = not event.due_to_sigint or context.noninteractive or not context.group_interrupted
-        return self._shutdown(context, wanted, event.due_to_sigint and context.group_interrupted)
+        return self._shutdown(context, event.due_to_sigint and context.group_interrupted)
 
     def _on_shutdown_process(
         self, event: events.ShutdownProcess, context: LaunchContext
     ) -> list[LaunchDescriptionEntity]:
-        return self._shutdown(context, True, False) if event.process_matcher(self) else []
+        return self._shutdown(context, False) if event.process_matcher(self) else []
 
-    def _shutdown(self, context: LaunchContext, send_sigint: bool, has_it: bool) -> list[LaunchDescriptionEntity]:
-        assert self._ending is not None and self._completed is not None
+    def _shutdown(self, context: LaunchContext, has_sigint: bool) -> list[LaunchDescriptionEntity]:
         if self._ending.done():
             return []
         self._ending.set_result(None)
-        if self._completed.done() or self._child is None or self._child.ended.done():
+        if self._child is None or self._child.ended.done():
             return []
         loop = context.asyncio_loop
         first, second = self._sigterm_timeout, str(float(self._sigterm_timeout) + float(self._sigkill_timeout))
@@ -253,18 +223,21 @@ class ExecuteProcess(Action):
             loop.call_later(float(first), self._escalate, context, first, signal.SIGINT, signal.SIGTERM),
             loop.call_later(float(second), self._escalate, context, second, signal.SIGTERM, signal.SIGKILL),
         ]
-        if not send_sigint:
+        if has_sigint and not context.noninteractive:
             return []
-        event = events.SignalProcess(signal_number=signal.SIGINT, process_matcher=events.matches_action(self))
-        event.is_there_already = has_it
-        return [EmitEvent(event=event)]
+        return [EmitEvent(event=self._signal(signal.SIGINT, has_sigint))]
+
+    def _signal(self, number: signal.Signals, is_there_already: bool = False) -> events.SignalProcess:
+        event = events.SignalProcess(signal_number=number, process_matcher=events.matches_action(self))
+        event.is_there_already = is_there_already
+        return event
 
     def _escalate(self, context: LaunchContext, seconds: str, sent: signal.Signals, number: signal.Signals) -> None:
         self._logger.error(
-            f"process[{self.final_name}] failed to terminate '{seconds}' seconds after receiving '{sent.name}', "
+            f"process[{self.name}] failed to terminate '{seconds}' seconds after receiving '{sent.name}', "
             f"escalating to '{number.name}'"
         )
-        context.emit_event_sync(events.SignalProcess(signal_number=number, process_matcher=events.matches_action(self)))
+        context.emit_event_sync(self._signal(number))
 
     def _on_signal(self, event: events.SignalProcess, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         if not event.process_matcher(self):
@@ -273,9 +246,9 @@ class ExecuteProcess(Action):
             raise RuntimeError("Signal event received before subprocess transport available.")
         if self._child.ended.done():
             return []
-        self._logger.info(f"sending signal '{event.signal_name}' to process[{self.final_name}]")
+        self._logger.info(f"sending signal '{event.signal_name}' to process[{self.name}]")
         if not event.is_there_already:  # a second one would break into the process's clean-up
-            self._child.send(event.signal)
+            self._child.process.send_signal(event.signal)
         return []
 
 
