@@ -158,18 +158,6 @@ class LogInfo(TextAction):
         output.get_logger("launch.user").info(msg)
 
 
-class Step(LaunchDescriptionEntity):
-    """A call with the context, as an entity among others."""
-
-    def __init__(self, step: Callable[[LaunchContext], None]) -> None:
-        self._step = step
-
-    def visit(self, context: LaunchContext) -> Entities:
-        """Call it."""
-        self._step(context)
-        return None
-
-
 class GroupAction(Action):
     """Actions with a scope: what they set (arguments, namespace, environment) ends with the group."""
 
@@ -195,19 +183,12 @@ class GroupAction(Action):
     def execute(self, context: LaunchContext) -> Entities:
         """Open the scope, visit the actions, close it."""
         values = {perform(context, name): perform(context, value) for name, value in self.launch_configurations.items()}
-
-        def enter(context: LaunchContext) -> None:
-            if self.scoped:
-                context.push_scope()
-                if not self.forwarding:
-                    context.launch_configurations.clear()
-            context.launch_configurations.update(values)
-
-        def leave(context: LaunchContext) -> None:
-            if self.scoped:
-                context.pop_scope()
-
-        return [Step(enter), *self.actions, Step(leave)]
+        if self.scoped:
+            context.push_scope()
+            if not self.forwarding:
+                context.launch_configurations.clear()
+        context.launch_configurations.update(values)
+        return [*self.actions, OpaqueFunction(function=LaunchContext.pop_scope)] if self.scoped else self.actions
 
 
 class OpaqueFunction(Action):

@@ -8,7 +8,7 @@ from typing import Any
 from course_kit.launching.actions import DeclareLaunchArgument, LogInfo
 from course_kit.launching.entities import Action, LaunchDescription
 from course_kit.launching.event_actions import EmitEvent, RegisterEventHandler
-from course_kit.launching.handlers import EventHandler
+from course_kit.launching.process import ExecuteProcess
 from course_kit.launching.substitutions import described
 
 
@@ -61,8 +61,6 @@ def _entities(entities: Iterable[Any]) -> list[str]:
 
 
 def _action(action: Action) -> list[str]:
-    from course_kit.launching.process import ExecuteProcess
-
     if isinstance(action, LogInfo):
         return [f"LogInfo({described(action.msg)})"]
     if isinstance(action, EmitEvent):
@@ -74,14 +72,10 @@ def _action(action: Action) -> list[str]:
         env = None if pairs is None else f"{{{pairs}}}"
         return [f"ExecuteProcess(cmd=[{cmd}], cwd={cwd}, env={env}, shell={action.shell})"]
     if isinstance(action, RegisterEventHandler):
-        handler = _handler(action.event_handler)
-        return [f"RegisterEventHandler('{action.event_handler}'):", *(f"    {line}" for line in handler)]
+        description, entities = action.event_handler.describe()
+        led_to = (f"        {line}" for line in _entities(entities))
+        return [f"RegisterEventHandler('{action.event_handler}'):", f"    {description}", *led_to]
     return [f"Action('{action}')"]
-
-
-def _handler(handler: EventHandler) -> list[str]:
-    description, entities = handler.describe()
-    return [description, *(f"    {line}" for line in _entities(entities))]
 
 
 def _as_tree(lines: list[str]) -> list[str]:

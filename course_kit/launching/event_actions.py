@@ -97,8 +97,7 @@ class TimerAction(Action):
         self.actions = list(actions)
         self._cancel_on_shutdown = cancel_on_shutdown
         self._locals: dict[str, Any] = {}
-        self._over: asyncio.Future[None] | None = None
-        self._timer: asyncio.TimerHandle | None = None
+        self._task: asyncio.Task[None] | None = None
         self._is_cancelled = False
 
     def describe(self) -> str:
@@ -111,7 +110,7 @@ class TimerAction(Action):
 
     def get_asyncio_future(self) -> asyncio.Future[None] | None:
         """Done when the time is over or the timer cancelled."""
-        return self._over
+        return self._task
 
     def execute(self, context: LaunchContext) -> Entities:
         """Start the timer."""
@@ -119,26 +118,22 @@ class TimerAction(Action):
             return None
         given = self.period
         period = float(given) if isinstance(given, (int, float)) else float(perform(context, given))
-        loop = context.asyncio_loop
-        over = self._over = loop.create_future()
-        self._locals = dict(context.get_locals_as_dict())
+        self._locals = context.get_locals_as_dict()
         handler = EventHandler(
             matcher=lambda event: isinstance(event, events.TimerEvent) and event.timer_action is self,
             entities=self._fired,
             handle_once=True,
         )
         context.register_event_handler(handler)
-
-        def fire() -> None:
-            context.emit_event_sync(events.TimerEvent(timer_action=self))
-            if not over.done():
-                over.set_result(None)
-
-        self._timer = loop.call_later(period, fire)
+        self._task = context.asyncio_loop.create_task(self._wait(context, period))
         wanted = self._cancel_on_shutdown
         if wanted if isinstance(wanted, bool) else as_bool(perform(context, normalize(wanted))):
             context.register_event_handler(OnShutdown(on_shutdown=lambda event, context: self.cancel()))
         return None
+
+    async def _wait(self, context: LaunchContext, period: float) -> None:
+        await asyncio.sleep(period)
+        context.emit_event_sync(events.TimerEvent(timer_action=self))
 
     def _fired(self, event: events.Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         context.extend_locals(self._locals)
@@ -147,7 +142,5 @@ class TimerAction(Action):
     def cancel(self) -> None:
         """Let nothing happen when the time is over."""
         self._is_cancelled = True
-        if self._timer is not None:
-            self._timer.cancel()
-        if self._over is not None and not self._over.done():
-            self._over.set_result(None)
+        if self._task is not None:
+            self._task.cancel()

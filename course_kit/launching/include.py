@@ -8,7 +8,7 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from typing import Any
 
-from course_kit.launching import actions as basic
+from course_kit.launching.actions import OpaqueFunction, SetLaunchConfiguration
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.describing import arguments_of
 from course_kit.launching.entities import Action, Entities, LaunchDescription
@@ -116,23 +116,19 @@ class LaunchDescriptionSource:
 class PythonLaunchDescriptionSource(LaunchDescriptionSource):
     """A Python launch file."""
 
+    load = staticmethod(load_python_launch_file)
+
     def __init__(self, launch_file_path: SomeSubstitutions) -> None:
         super().__init__(None, launch_file_path, "interpreted python launch file")
-
-    def load(self, path: str) -> LaunchDescription:
-        """Load it from a Python file."""
-        return load_python_launch_file(path)
 
 
 class AnyLaunchDescriptionSource(LaunchDescriptionSource):
     """A launch file of any format; only Python ones run here."""
 
+    load = staticmethod(load_launch_file)
+
     def __init__(self, launch_file_path: SomeSubstitutions) -> None:
         super().__init__(None, launch_file_path, "any launch file")
-
-    def load(self, path: str) -> LaunchDescription:
-        """Load it from a file of any format."""
-        return load_launch_file(path)
 
 
 class IncludeLaunchDescription(Action):
@@ -176,5 +172,5 @@ class IncludeLaunchDescription(Action):
         def back(context: LaunchContext) -> None:
             context.local_values = before
 
-        sets = [basic.SetLaunchConfiguration(name, value) for name, value in self.launch_arguments]
-        return [*sets, description, basic.Step(back)]
+        sets = [SetLaunchConfiguration(name, value) for name, value in self.launch_arguments]
+        return [*sets, description, OpaqueFunction(function=back)]

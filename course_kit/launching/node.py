@@ -13,6 +13,7 @@ from course_kit.launching.actions import TextAction
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import Entities
 from course_kit.launching.package_substitutions import ExecutableInPackage
+from course_kit.launching.parameters import parameter_list
 from course_kit.launching.process import ExecuteProcess
 from course_kit.launching.substitutions import (
     LocalSubstitution,
@@ -127,7 +128,7 @@ class Node(ExecuteProcess):
         self._given = f"package={package}, executable={executable}, name={name}, namespace={namespace}"
         self._node_name = None if name is None else normalize(name)
         self._namespace = None if namespace is None else normalize(namespace)
-        self._parameters = [] if parameters is None else _parameters(parameters)
+        self._parameters = [] if parameters is None else parameter_list(parameters)
         self._remappings = [] if remappings is None else _pairs(remappings)
         self.node_name = NO_NAME
 
@@ -203,13 +204,6 @@ def _inline(value: Any) -> str:
 
 def _list(given: Any) -> list[Any]:
     return [] if given is None else [given] if isinstance(given, str) else list(given)
-
-
-def _parameters(given: Any) -> list[Any]:
-    return [
-        one if isinstance(one, (dict, parameters.ParameterFile)) else parameters.ParameterFile(one)
-        for one in parameters.check(given)
-    ]
 
 
 def _pairs(remappings: Any) -> list[tuple[Any, Any]]:

@@ -131,8 +131,8 @@ def yaml_text(node: str, parameters: Mapping[str, Any]) -> str:
     return text
 
 
-def check(parameters: Any) -> Sequence[Any]:
-    """The list that a Node was given as `parameters`. TypeError if it is none."""
+def parameter_list(parameters: Any) -> list[Mapping[Any, Any] | ParameterFile]:
+    """What a Node was given as `parameters`. TypeError if that is no list."""
     if isinstance(parameters, (str, Mapping)) or not isinstance(parameters, Iterable):
         raise TypeError(f"Node expected 'parameters' to be a list of dictionaries and files, got {parameters!r}")
-    return list(parameters)
+    return [one if isinstance(one, (dict, ParameterFile)) else ParameterFile(one) for one in parameters]
