@@ -18,7 +18,7 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from course_kit import faults, start
-from course_kit.examining.examination import Ended, Examination, begin, now
+from course_kit.examining.examination import Ended, Examination, begin, current
 from course_kit.examining.station import Station
 from course_kit.exercises import find
 from course_kit.faults import all_faults, health, lab
@@ -265,8 +265,8 @@ def test_a_check_can_ask_the_same_in_its_vocabulary(station: Station):
         faults.process("map_server").stop()
         with pytest.raises(Ended):
             expect_well(points=1, timeout=2.5)
-        assert [one.points for one in now().findings] == [1, 0]
-        assert "nearly every scan gets into the map" in now().findings[-1].hint
+        assert [one.points for one in current().findings] == [1, 0]
+        assert "nearly every scan gets into the map" in current().findings[-1].hint
     finally:
         begin(None)
         station.tidy()

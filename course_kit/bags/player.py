@@ -18,7 +18,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from course_kit.bags import qos as bag_qos
 from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
-from course_kit.bags.recorder import LogLine
+from course_kit.bags.recorder import BagLogLine
 from course_kit.bags.selection import Selection
 from course_kit.spinning import context
 from course_kit.spinning.nodes import quiet_node
@@ -85,9 +85,9 @@ class Player:
     Raises ValueError if a remapped name cannot be that of a topic. close() it.
     """
 
-    def __init__(self, bag: OpenBag, options: PlayOptions, say: Callable[[LogLine], None]) -> None:
+    def __init__(self, bag: OpenBag, options: PlayOptions, say: Callable[[BagLogLine], None]) -> None:
         self.bag, self.options = bag, options
-        self._say = lambda text, level="INFO": say(LogLine(level, NODE, text, time.time_ns()))
+        self._say = lambda text, level="INFO": say(BagLogLine(level, NODE, text, time.time_ns()))
         context.start()
         self.node = quiet_node(NODE, with_rosout=True)
         has_messages = any(connection.msgcount for connection in bag.connections)

@@ -40,7 +40,7 @@ NODE = "rosbag2_recorder"
 RECORDER, TRANSPORT, CPP = NODE, "rosbag2_transport", "rosbag2_cpp"
 
 
-class LogLine(NamedTuple):
+class BagLogLine(NamedTuple):
     """What rosbag2 would log, and when (nanoseconds since the epoch)."""
 
     level: str
@@ -58,7 +58,7 @@ class _Counts:
 
 @dataclass(eq=False)
 class Recorder:
-    """One recording, from start() to stop(); what it has to say comes out of `log`, a queue of LogLine."""
+    """One recording, from start() to stop(); what it has to say comes out of `log`, a queue of BagLogLine."""
 
     writer: BagWriter
     selection: Selection
@@ -67,7 +67,7 @@ class Recorder:
     look_period: float = LOOK_PERIOD
     looks_on: bool = True
     is_paused: bool = False
-    log: SimpleQueue[LogLine] = field(default_factory=SimpleQueue)
+    log: SimpleQueue[BagLogLine] = field(default_factory=SimpleQueue)
     error: str | None = None
     _subscriptions: dict[str, RawSubscription] = field(default_factory=dict)
     _queue: deque[tuple[str, int, bytes]] = field(default_factory=deque)
@@ -158,7 +158,7 @@ class Recorder:
 
     def _say(self, text: str, level: str = "INFO", logger: str = RECORDER) -> None:
         name = self.node_name if logger == RECORDER else logger
-        self.log.put(LogLine(level, name, text, time.time_ns()))
+        self.log.put(BagLogLine(level, name, text, time.time_ns()))
 
     def _warn_once(self, text: str, logger: str = TRANSPORT) -> None:
         if text not in self._said:

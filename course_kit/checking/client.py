@@ -15,7 +15,7 @@ from typing import Any
 
 from course_kit.colcon import sourcing
 from course_kit.environment.activation import split_paths
-from course_kit.examining import stage
+from course_kit.examining import answer_host
 from course_kit.examining.lines import Closed, Lines, Message, TooLong
 from course_kit.examining.verdict import NOT_LOOKED_AT, Verdict
 from course_kit.programs.child_process import Process
@@ -34,7 +34,7 @@ class Stuck(RuntimeError):  # noqa: N818
     """The checker did not answer in time, or ended."""
 
 
-class Checker:
+class CheckerProcess:
     """The checker's process."""
 
     def __init__(self) -> None:
@@ -49,11 +49,6 @@ class Checker:
             theirs.close()
         self.process.begin()
         self._lines = Lines(ours)
-
-    @property
-    def is_running(self) -> bool:
-        """Whether the checker's process runs."""
-        return self.process.is_running
 
     def ask(self, exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
         """Have an exercise checked. Raises Refused, or Stuck."""
@@ -85,7 +80,7 @@ class Checker:
 
     def _obey(self, order: Message, names: Mapping[str, Any]) -> None:
         """Do what is ordered; after its time is over, answer that it did not return and have it end."""
-        obeying = stage.Obeying(order, names)
+        obeying = answer_host.Obeying(order, names)
         answer = obeying.wait(float(order["timeout"]))
         if answer is None:
             obeying.interrupt()
@@ -96,7 +91,7 @@ class Checker:
         except TooLong as error:
             self._lines.send({"answer": order["order"], "error": f"what it gave cannot be looked at: {error}"})
 
-    def close(self, patience: float = 4.0) -> None:
+    def close(self, patience: float) -> None:
         """End it: it leaves ROS in good order when the socket closes, and is killed if it does not."""
         self._lines.close()
         with contextlib.suppress(TimeoutError):
@@ -113,7 +108,7 @@ def _own_environment() -> dict[str, str]:
     return environment
 
 
-_checker: Checker | None = None
+_checker: CheckerProcess | None = None
 _lock = threading.Lock()
 
 
@@ -130,24 +125,25 @@ def ask(exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
             except Stuck as stuck:
                 reason = str(stuck)
                 _replace()
-            except BaseException:
-                if not isinstance(sys.exc_info()[1], Refused):  # interrupted: what it is doing now is unknown
-                    _replace()
+            except Refused:
+                raise
+            except BaseException:  # interrupted: what it is doing now is unknown
+                _replace()
                 raise
         return Verdict(exercise, "", 0, NOT_LOOKED_AT, note=f"Twice {reason}. Restart the kernel and try again.")
 
 
 def pid() -> int | None:
     """The process of the checker, if it runs."""
-    return _checker.process.pid if _checker is not None and _checker.is_running else None
+    return _checker.process.pid if _checker is not None and _checker.process.is_running else None
 
 
-def _running() -> Checker:
+def _running() -> CheckerProcess:
     global _checker
-    if _checker is not None and not _checker.is_running:
+    if _checker is not None and not _checker.process.is_running:
         _replace()
     if _checker is None:
-        _checker = Checker()
+        _checker = CheckerProcess()
         atexit.unregister(close)
         atexit.register(close)
     return _checker
@@ -155,17 +151,14 @@ def _running() -> Checker:
 
 def _replace() -> None:
     """End the checker at once; the next question starts another."""
-    global _checker
-    ending, _checker = _checker, None
-    if ending is not None:
-        ending.close(patience=0.0)
+    close(patience=0.0)
     with contextlib.suppress(Exception):
-        stage.close()
+        answer_host.close()
 
 
-def close() -> None:
+def close(patience: float = 4.0) -> None:
     """End the checker, if it runs."""
     global _checker
     ending, _checker = _checker, None
     if ending is not None:
-        ending.close()
+        ending.close(patience)

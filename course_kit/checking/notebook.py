@@ -51,24 +51,11 @@ def _names() -> dict[str, Any]:
     return running.user_ns if running is not None else vars(sys.modules["__main__"])
 
 
-class _Shown:
-    """A verdict as it is displayed."""
-
-    def __init__(self, verdict: Verdict) -> None:
-        self._verdict = verdict
-
-    def __repr__(self) -> str:
-        return str(self._verdict)
-
-    def _repr_html_(self) -> str:
-        return self._verdict.to_html()
-
-
 def _show(verdict: Verdict) -> None:
     if kernel.shell() is not None:
         from IPython.display import display
 
-        display(_Shown(verdict))
+        display(verdict)
     else:
         print(verdict)
 

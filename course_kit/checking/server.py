@@ -126,13 +126,13 @@ class Checker:
             return True
         if exercise.file and (running.folder / WORKSPACE / "src" / exercise.file).is_file():
             return True
-        if exercise.node is None:
+        if not exercise.node:
             return False
         self.student.known(DISCOVERY_TIMEOUT)
         if exercise.node not in self.student.their_nodes():
             return False
         if exercise.node_class:
-            running.settle(
+            running.judge(
                 f"there is a class `{exercise.node_class}`",
                 False,
                 f"A node {exercise.node} runs, but this notebook has no class `{exercise.node_class}`. "

@@ -34,7 +34,7 @@ class _Loading(MetaPathFinder):
 _finder = _Loading()
 
 
-def see(folder: Path, python_paths: Sequence[str]) -> list[str]:
+def make_importable(folder: Path, python_paths: Sequence[str]) -> list[str]:
     """Make importable what a workspace has built: `python_paths` are what sourcing it adds to PYTHONPATH.
 
     Python packages are imported afresh from now on. Returns the interface packages for which that cannot be: their

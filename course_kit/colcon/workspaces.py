@@ -167,7 +167,7 @@ class Workspace:
         """
         environment = self.environment
         changes = sourcing.added(self.unsourced, environment)
-        stale = workspace_import.see(self.folder, changes.get("PYTHONPATH", []))
+        stale = workspace_import.make_importable(self.folder, changes.get("PYTHONPATH", []))
         for name in changes:
             os.environ[name] = environment[name]
         if stale:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -31,27 +32,22 @@ class OutOfTime(Exception):  # noqa: N818
     """The time of the exercise is over."""
 
 
+@dataclass
 class Examination:
     """One check of one exercise."""
 
-    def __init__(
-        self,
-        exercise: Exercise,
-        stage: Station,
-        student: Station,
-        watched: dict[str, Heard],
-        order: Callable[[dict[str, Any], float], dict[str, Any]],
-        folder: Path = Path("/"),
-    ) -> None:
-        self.exercise = exercise
-        self.stage = stage  # a domain of the checker's, where a student's class is made anew
-        self.student = student  # the domain in which the student's nodes run
-        self.watched = watched  # what was heard in the student's domain since the chapter's first check, by topic
-        self.folder = beside_the_notebook(folder)
-        self.ending: list[Callable[[], Any]] = []  # what ends with the check, besides what the stations know
-        self.findings: list[Finding] = []
-        self.waiting_for = ""
-        self._order = order
+    exercise: Exercise
+    stage: Station  # in a domain of the checker's, where a student's class is made anew
+    student: Station  # in the domain in which the student's nodes run
+    watched: dict[str, Heard]  # what was heard in the student's domain since the chapter's first check, by topic
+    send_order: Callable[[dict[str, Any], float], dict[str, Any]]
+    folder: Path = Path("/")  # the kernel's; then the notebook's
+    ending: list[Callable[[], Any]] = field(default_factory=list)  # what ends with it, besides what the stations know
+    findings: list[Finding] = field(default_factory=list)
+    waiting_for: str = ""
+
+    def __post_init__(self) -> None:
+        self.folder = beside_the_notebook(self.folder)
         self.begin_again()
 
     def begin_again(self) -> None:
@@ -60,7 +56,7 @@ class Examination:
 
     # What was found.
 
-    def settle(self, text: str, ok: Any, hint: str = "", points: int = 0, needed: bool = False) -> bool:
+    def judge(self, text: str, ok: Any, hint: str = "", points: int = 0, needed: bool = False) -> bool:
         """Note one finding. What has no points, or is `needed`, must hold: else the check ends here."""
         holds = bool(ok)
         self.findings.append(Finding(text, holds, "" if holds else self._with_errors(hint), points))
@@ -95,7 +91,7 @@ class Examination:
 
     def order(self, do: str, timeout: float = ORDER_TIMEOUT, **details: Any) -> dict[str, Any]:
         """Have the notebook do something; its answer has a `value` or an `error`."""
-        return self._order({"do": do, "domain": self.stage.domain, **details}, max(0.1, min(timeout, self.left)))
+        return self.send_order({"do": do, "domain": self.stage.domain, **details}, max(0.1, min(timeout, self.left)))
 
 
 _current: Examination | None = None
@@ -107,7 +103,7 @@ def begin(examination: Examination | None) -> None:
     _current = examination
 
 
-def now() -> Examination:
+def current() -> Examination:
     """The examination that runs."""
     if _current is None:
         raise RuntimeError("what a check expects can only be said while the checker runs it")

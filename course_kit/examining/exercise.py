@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -19,7 +20,7 @@ class Exercise:
     level: str
     timeout: float  # seconds that a check takes at most
     node_class: str | None  # the class that the student writes, if it asks for one
-    node: str | None  # the full name of the student's node, if it asks for one
+    node: str | None  # the full name of the student's node, by which one also knows that it was begun
     file: str | None  # a file below ros2_ws/src that the student writes, if it asks for one
     types: tuple[str, ...]  # packages of types that the checker compiles for itself, once
     watches: tuple[str, ...]  # topics of the student's domain that are listened to from the chapter's first check on
@@ -50,9 +51,15 @@ def exercise(
     watches: tuple[str, ...] = (),
     value: bool = False,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Declare the function below as the check of an exercise; with `value` it is given the student's value."""
+    """Declare the function below as the check of an exercise; with `value` it is given the student's value.
+
+    `node` is the full name of the student's node: /face_west for a `node_class` FaceWest unless another one is given,
+    "" if it is no sign that the exercise was begun.
+    """
     if level not in LEVELS:
         raise ValueError(f"{name}: there is no level {level!r}, only {', '.join(LEVELS)}")
+    if node is None and node_class:
+        node = f"/{re.sub('(?<=[a-z])(?=[A-Z])', '_', node_class).lower()}"
     if not (node_class or node or file or value):
         raise ValueError(f"{name}: say by `node_class`, `node`, `file` or `value` how to know that it was begun")
 

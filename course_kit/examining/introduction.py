@@ -12,7 +12,7 @@ from typing import Any
 
 from rcl_interfaces.srv import GetParameterTypes
 
-from course_kit.examining.examination import now
+from course_kit.examining.examination import current
 from course_kit.examining.station import Station
 
 MEET_TIMEOUT = 5.0
@@ -33,10 +33,10 @@ def meet(station: Station, offering: str = "") -> None:
 
 def introduce(station: Station, service: str, service_type: Any) -> bool:
     """Ask a harmless service until it answers, or MEET_TIMEOUT is over; whether it answered."""
-    client = station.hand.create_client(service_type, service)
+    client = station.check_node.create_client(service_type, service)
     answers: list[Any] = []
     for _ in range(round(MEET_TIMEOUT / PERIOD)):
         client.call_async(service_type.Request()).add_done_callback(answers.append)
-        if now().wait(lambda: answers, PERIOD, f"an answer of {service}"):
+        if current().wait(lambda: answers, PERIOD, f"an answer of {service}"):
             return True
     return False

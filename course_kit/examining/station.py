@@ -7,7 +7,7 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -20,6 +20,7 @@ from course_kit.spinning.executors import SpinThread
 from course_kit.spinning.nodes import quiet_node
 from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 
+Made = TypeVar("Made")
 DEPTH = 10_000
 LOG_PERIOD = 0.2  # seconds between two looks at what was logged
 KEPT = 20_000  # messages of one subscription
@@ -28,7 +29,8 @@ KEPT = 20_000  # messages of one subscription
 class Heard:
     """The messages of one topic, in order, with the times (nanoseconds) at which the middleware received them."""
 
-    def __init__(self, message_type: Any) -> None:
+    def __init__(self, message_type: Any, topic: str = "") -> None:
+        self.topic = topic
         self._type = message_type
         self._kept: deque[tuple[int, int, bytes]] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
@@ -56,25 +58,26 @@ class Heard:
         """When each kept message came, in nanoseconds since the epoch, oldest first."""
         return [when for when, _, _ in self._all()]
 
-    def times_of(self, belongs: Callable[[Any], bool]) -> list[int]:
-        """The times of the messages that `belongs` picks."""
-        return [when for when, _, one in self._all() if belongs(self._read(one))]
+    @property
+    def arrivals(self) -> list[tuple[int, Any]]:
+        """When each kept message came, and the message, oldest first."""
+        return [(when, self._read(serialised)) for when, _, serialised in self._all()]
+
+    @property
+    def messages(self) -> list[Any]:
+        """The kept messages, oldest first."""
+        return [message for _, message in self.arrivals]
 
     @property
     def publisher_count(self) -> int:
         """How many publishers are matched."""
         return self.subscription.publisher_count if self.subscription is not None else 0
 
-    @property
-    def messages(self) -> list[Any]:
-        """The kept messages, oldest first."""
-        return [self._read(one) for _, _, one in self._all()]
-
     def since_restart(self) -> list[Any]:
         """The messages of the last of its publishers: each counts its own from 1."""
         kept = self._all()
         starts = [0, *(place for place in range(1, len(kept)) if kept[place][1] <= kept[place - 1][1])]
-        return [self._read(one) for _, _, one in kept[starts[-1] :]]
+        return [self._read(serialised) for _, _, serialised in kept[starts[-1] :]]
 
     @property
     def last(self) -> Any:
@@ -88,27 +91,24 @@ class Heard:
 
 
 class Station:
-    """One ROS context of the checker. Its nodes are hidden, `mine` has the names of those that are not."""
+    """One ROS context of the checker. `mine` has the names of its nodes."""
 
     def __init__(self, domain: int | None, only_here: bool) -> None:
         """`domain` None: the student's, from the environment. `only_here`: speak with this machine only."""
         self.context = ros_context.separate(domain, "LOCALHOST" if only_here else None)
         self.domain: int = self.context.get_domain_id()
         self._made = 0
-        self.node = self._plain_node("graph")
+        self.node = self._hidden_node()
         self.discovery = discovery.of(self.node)
         self.errors: list[Exception] = []
         self._watcher = Watcher(self.node, self.errors.append)
         self._spinning: list[SpinThread] = []
-        self._hand: Node | None = None
+        self._check_node: Node | None = None
         self._opened: list[Heard] = []
         self._node_log: NodeLog | None = None
         self.mine: set[str] = set()
         self.discovery.keep(self.node)
-        self._graph_thread = self._spin(self.node)
-
-    def _spin(self, node: Node) -> SpinThread:
-        return SpinThread(node, self.errors.append).start()
+        self._graph_thread = SpinThread(self.node, self.errors.append).start()
 
     # The graph.
 
@@ -129,8 +129,8 @@ class Station:
         return [e for e in graph.subscriptions(self.node, topic) if self._is_theirs(e)]
 
     def _is_theirs(self, endpoint: Any) -> bool:
-        name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
-        return name not in self.mine and not endpoint.node_name.startswith("_")
+        name = graph.NodeName(endpoint.node_name, endpoint.node_namespace)
+        return name.full_name not in self.mine and not endpoint.node_name.startswith("_")
 
     def offered(self) -> list[graph.Interfaces]:
         """What each of their nodes offers and uses."""
@@ -151,7 +151,7 @@ class Station:
             reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
             durability=DurabilityPolicy.VOLATILE,
         )
-        heard = Heard(message_type)
+        heard = Heard(message_type, topic)
         heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
         self._opened.append(heard)
         return heard
@@ -168,32 +168,27 @@ class Station:
         return self._node_log
 
     @property
-    def hand(self) -> Node:
+    def check_node(self) -> Node:
         """A node for publishers and clients, which ends with the check."""
-        if self._hand is None:
-            self._hand = self.spin(lambda: self._plain_node("hand"), hidden=True)
-        return self._hand
+        if self._check_node is None:
+            self._check_node = self.spin(self._hidden_node())
+        return self._check_node
 
-    def _plain_node(self, name: str) -> Node:
+    def _hidden_node(self) -> Node:
         self._made += 1
-        return quiet_node(f"_checker_{os.getpid()}_{name}_{self._made}", self.context)
+        return quiet_node(f"_checker_{os.getpid()}_{self._made}", self.context)
 
-    def node_for(self, prepare: Callable[[Node], Any]) -> Node:
-        """A node in a thread of its own that ends with the check; `prepare` gives it what it serves."""
+    def on_own_node(self, prepare: Callable[[Node], Made]) -> Made:
+        """What `prepare` makes of a node in a thread of its own, which ends with the check."""
+        node = self._hidden_node()
+        made = prepare(node)  # before it spins: which executor suits a node depends on what it has
+        self.spin(node)
+        return made
 
-        def make() -> Node:
-            node = self._plain_node("server")
-            prepare(node)
-            return node
-
-        return self.spin(make, hidden=True)
-
-    def spin(self, make: Callable[[], Node], hidden: bool = False) -> Node:
-        """Make a node and spin it until the check ends."""
-        node = make()
-        if not hidden:
-            self.mine.add(node.get_fully_qualified_name())
-        self._spinning.append(self._spin(node))
+    def spin(self, node: Node) -> Node:
+        """Spin a node until the check ends."""
+        self.mine.add(node.get_fully_qualified_name())
+        self._spinning.append(SpinThread(node, self.errors.append).start())
         return node
 
     def tidy(self) -> None:
@@ -204,7 +199,7 @@ class Station:
         for spinning in reversed(self._spinning):
             spinning.close()
         self._spinning.clear()
-        self._hand = None
+        self._check_node = None
         self.mine.clear()
         self.errors.clear()
 

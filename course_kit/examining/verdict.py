@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -14,26 +13,40 @@ NOT_LOOKED_AT = "could not look"  # the checker itself failed: nothing is said a
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at. `of` is what it is worth; 0 for what must hold before the rest can be seen."""
+    """One thing that was looked at."""
 
     text: str
     ok: bool
     hint: str = ""  # the cause, and what to look at next; only if it is not ok
-    of: int = 0
+    max_points: int = 0  # 0 for what must hold before the rest can be seen
 
     @property
     def points(self) -> int:
         """The points that this finding is worth as it came out."""
-        return self.of if self.ok else 0
+        return self.max_points if self.ok else 0
+
+    @property
+    def mark(self) -> str:
+        """The sign in front of it."""
+        return "✔" if self.ok else "✘"
+
+    @property
+    def claim(self) -> str:
+        """The text, and the points that it has."""
+        return f"{self.text} ({points_text(self.points, self.max_points)})" if self.max_points else self.text
+
+    def __str__(self) -> str:
+        hint = f"\n    {self.hint}" if self.hint and not self.ok else ""
+        return f"{self.mark} {self.claim}{hint}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Verdict:
     """What a check of one exercise found."""
 
     exercise: str
     title: str
-    of: int  # points that the exercise is worth
+    max_points: int  # points that the exercise is worth
     state: str = LOOKED_AT
     findings: tuple[Finding, ...] = ()
     note: str = ""  # what to do, if nothing was looked at
@@ -42,12 +55,12 @@ class Verdict:
     @property
     def points(self) -> int:
         """The points of all findings, never more than the exercise has."""
-        return min(self.of, sum(finding.points for finding in self.findings))
+        return min(self.max_points, sum(finding.points for finding in self.findings))
 
     @property
     def is_full(self) -> bool:
         """Whether nothing is left to do."""
-        return self.state == LOOKED_AT and self.points == self.of and all(f.ok for f in self.findings)
+        return self.state == LOOKED_AT and self.points == self.max_points and all(f.ok for f in self.findings)
 
     @property
     def hints(self) -> list[str]:
@@ -57,30 +70,26 @@ class Verdict:
     @property
     def heading(self) -> str:
         """One line: exercise, title, points or why there are none."""
-        result = points_text(self.points, self.of) if self.state == LOOKED_AT else self.state
+        result = points_text(self.points, self.max_points) if self.state == LOOKED_AT else self.state
         return f"{self.exercise} · {self.title}: {result}"
 
-    def __str__(self) -> str:
-        lines = [self.heading]
-        for finding in self.findings:
-            lines.append(f"{mark(finding.ok)} {finding.text}{_worth(finding)}")
-            if not finding.ok and finding.hint:
-                lines.append(f"    {finding.hint}")
-        if self.note:
-            lines.append(f"    {self.note}")
-        return "\n".join(lines)
+    def __repr__(self) -> str:
+        note = [f"    {self.note}"] if self.note else []
+        return "\n".join([self.heading, *map(str, self.findings), *note])
 
     def to_html(self) -> str:
         """The same with colours that can be read on light and on dark ground."""
         lines = [f"<b>{html.escape(self.heading)}</b>"]
         for finding in self.findings:
             colour = "#2e8b57" if finding.ok else "#dc322f"
-            sign = f"<span style='color:{colour}'>{mark(finding.ok)}</span>"
+            sign = f"<span style='color:{colour}'>{finding.mark}</span>"
             hint = "" if finding.ok else f"<div style='margin-left:2em'>{in_code(finding.hint)}</div>"
-            lines.append(f"<div>{sign} {in_code(finding.text + _worth(finding))}</div>{hint}")
+            lines.append(f"<div>{sign} {in_code(finding.claim)}</div>{hint}")
         if self.note:
             lines.append(f"<div style='margin-left:2em'>{in_code(self.note)}</div>")
         return f"<div class='course-kit-check'>{''.join(lines)}</div>"
+
+    _repr_html_ = to_html
 
     def to_json(self) -> dict[str, Any]:
         """The verdict as what JSON can hold."""
@@ -89,22 +98,12 @@ class Verdict:
     @staticmethod
     def from_json(data: dict[str, Any]) -> Verdict:
         """The verdict that to_json() was made from. KeyError or TypeError for anything else."""
-        findings: Iterable[dict[str, Any]] = data["findings"]
-        return Verdict(**{**data, "findings": tuple(Finding(**one) for one in findings)})
+        return Verdict(**{**data, "findings": tuple(Finding(**finding) for finding in data["findings"])})
 
 
-def mark(ok: bool) -> str:
-    """The sign in front of a finding."""
-    return "✔" if ok else "✘"
-
-
-def points_text(points: int, of: int) -> str:
+def points_text(points: int, max_points: int) -> str:
     """Points of a maximum, in words."""
-    return f"{points} of {of} {'point' if of == 1 else 'points'}"
-
-
-def _worth(finding: Finding) -> str:
-    return f" ({points_text(finding.points, finding.of)})" if finding.of else ""
+    return f"{points} of {max_points} {'point' if max_points == 1 else 'points'}"
 
 
 def in_code(text: str) -> str:

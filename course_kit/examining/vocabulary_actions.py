@@ -5,43 +5,34 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from action_msgs.msg import GoalStatus
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.examining.examination import now
+from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import nearest, settle_timeout
+from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, require, wait
 from course_kit.examining.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT
-from course_kit.interface_types import type_name
 
-WORDS = {
-    GoalStatus.STATUS_UNKNOWN: "unknown",
-    GoalStatus.STATUS_ACCEPTED: "accepted",
-    GoalStatus.STATUS_EXECUTING: "executing",
-    GoalStatus.STATUS_CANCELING: "canceling",
-    GoalStatus.STATUS_SUCCEEDED: "succeeded",
-    GoalStatus.STATUS_CANCELED: "canceled",
-    GoalStatus.STATUS_ABORTED: "aborted",
-}
+# By the numbers of action_msgs/msg/GoalStatus.
+STATUSES = ("unknown", "accepted", "executing", "canceling", "succeeded", "canceled", "aborted")
 
 
 def _actions() -> dict[str, list[str]]:
-    return {name: types for one in now().stage.offered() for name, types in one.action_servers.items()}
+    return {name: types for node in current().stage.offered() for name, types in node.action_servers.items()}
 
 
-def expect_action(name: str, action_type: Any) -> None:
-    """The answer offers an action of this type."""
-    now().wait(lambda: name in _actions(), settle_timeout())
-    there = _actions()
-    hint = f"Nobody offers the action `{name}`. {nearest(name, list(there))}"
-    hint += f"Your node offers {', '.join(there)}. " if there else "Your node offers none. "
-    now().settle(f"it offers the action `{name}`", name in there, f"{hint}`%ros2 action list -t` shows them.")
-    wanted = type_name(action_type)
-    now().settle(f"`{name}` has the type `{wanted}`", there[name] == [wanted], f"Its type is {', '.join(there[name])}.")
+def expect_action(name: str, action_type: Any) -> Client:
+    """The answer offers an action of this type; a client of it."""
+    wait(lambda: name in _actions(), arrival_timeout())
+    actions = _actions()
+    hint = f"Nobody offers the action `{name}`. {nearest(name, list(actions))}"
+    hint += f"Your node offers {', '.join(actions)}. " if actions else "Your node offers none. "
+    require(f"it offers the action `{name}`", name in actions, f"{hint}`%ros2 action list -t` shows them.")
+    expect_type(name, actions[name], action_type)
+    return Client(name, action_type)
 
 
 @dataclass
@@ -53,12 +44,11 @@ class Goal:
     status: int | None = None
     result: Any = None
     handle: Any = None
-    cancelling: bool | None = None  # whether the server agreed to cancel
 
     @property
     def word(self) -> str:
         """The status in a word."""
-        return "without an end" if self.status is None else WORDS.get(self.status, str(self.status))
+        return "without an end" if self.status is None else STATUSES[self.status]
 
     def _is_mine(self, message: Any) -> bool:
         return self.handle is not None and bytes(message.goal_id.uuid) == bytes(self.handle.goal_id.uuid)
@@ -71,7 +61,7 @@ class Goal:
     @property
     def period(self) -> float:
         """Seconds between two feedbacks; 0 below two."""
-        times = self.heard.times_of(self._is_mine)
+        times = [when for when, message in self.heard.arrivals if self._is_mine(message)]
         return (times[-1] - times[0]) * 1e-9 / (len(times) - 1) if len(times) > 1 else 0.0
 
     def note_result(self, future: Any) -> None:
@@ -81,14 +71,15 @@ class Goal:
 
     def wait(self, timeout: float) -> bool:
         """Wait for the result."""
-        return now().wait(lambda: self.status is not None, timeout, "the result of the goal")
+        return wait(lambda: self.status is not None, timeout, "the result of the goal")
 
-    def cancel(self) -> None:
-        """Ask the server to cancel it, and wait for what it says to that."""
-        done: list[Any] = []
-        self.handle.cancel_goal_async().add_done_callback(done.append)
-        now().wait(lambda: done, ANSWER_TIMEOUT, "the answer to a request to cancel")
-        self.cancelling = bool(done and done[0].result().goals_canceling)
+    def cancel(self, timeout: float) -> None:
+        """If it was accepted, ask the server to cancel it, and wait for what it says to that and for the result."""
+        if self.accepted:
+            answers: list[Any] = []
+            self.handle.cancel_goal_async().add_done_callback(answers.append)
+            wait(lambda: answers, ANSWER_TIMEOUT, "the answer to a request to cancel")
+            self.wait(timeout)
 
 
 class Client:
@@ -96,23 +87,20 @@ class Client:
 
     def __init__(self, name: str, action_type: Any) -> None:
         self._type = action_type
-        clients: list[ActionClient] = []
-        now().stage.node_for(lambda node: clients.append(ActionClient(node, action_type, name)))
-        self._client = clients[0]
-        now().wait(self._client.server_is_ready, CONNECT_TIMEOUT, f"the action {name}")
+        self._client = current().stage.on_own_node(lambda node: ActionClient(node, action_type, name))
+        wait(self._client.server_is_ready, CONNECT_TIMEOUT, f"the action {name}")
         # Heard on its own: an ActionClient drops what comes after the result.
-        self._heard = now().stage.listen(f"{name}/_action/feedback", action_type.Impl.FeedbackMessage)
-        now().wait(lambda: self._heard.publisher_count, CONNECT_TIMEOUT, f"the feedback of {name}")
-        meet(now().stage, name)
+        self._heard = current().stage.listen(f"{name}/_action/feedback", action_type.Impl.FeedbackMessage)
+        wait(lambda: self._heard.publisher_count, CONNECT_TIMEOUT, f"the feedback of {name}")
+        meet(current().stage, name)
 
     def send(self, **fields: Any) -> Goal:
         """Send a goal and wait until it is accepted or rejected."""
         goal = Goal(self._heard)
-        done: list[Any] = []
-        message = self._type.Goal(**fields)
-        self._client.send_goal_async(message).add_done_callback(done.append)
-        if now().wait(lambda: done, ANSWER_TIMEOUT, "the answer to a goal"):
-            goal.handle = done[0].result()
+        answers: list[Any] = []
+        self._client.send_goal_async(self._type.Goal(**fields)).add_done_callback(answers.append)
+        if wait(lambda: answers, ANSWER_TIMEOUT, "the answer to a goal"):
+            goal.handle = answers[0].result()
             goal.accepted = bool(goal.handle.accepted)
             if goal.accepted:
                 goal.handle.get_result_async().add_done_callback(goal.note_result)
@@ -128,7 +116,7 @@ class FibonacciServer:
         self.cancelled_after: int | None = None  # feedback messages
         self.ended: list[str] = []
         self._period, self._can_cancel = period, can_cancel
-        self._node = now().stage.node_for(self._prepare)
+        current().stage.on_own_node(self._prepare)
 
     def _prepare(self, node: Node) -> None:
         self._node = node

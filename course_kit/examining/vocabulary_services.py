@@ -8,41 +8,35 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from rclpy.node import Node
-
-from course_kit.examining.examination import now
+from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
 from course_kit.examining.station import Station
-from course_kit.examining.vocabulary import nearest, settle_timeout
-from course_kit.interface_types import type_name
+from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, require, wait
+from course_kit.ros_graph.graph_data import EVERY_NODES_SERVICES
 
 CONNECT_TIMEOUT = 5.0
 ANSWER_TIMEOUT = 5.0  # seconds; what is lost on a busy machine is sent again within 3
 
 
 def _services() -> dict[str, list[str]]:
-    offered = now().stage.offered()
-    return {name: types for one in offered for name, types in one.service_servers.items() if not _is_every_nodes(name)}
+    servers = [node.service_servers for node in current().stage.offered()]
+    return {name: types for names in servers for name, types in names.items() if not _is_every_nodes(name)}
 
 
 def _is_every_nodes(name: str) -> bool:
-    last = name.rsplit("/", 1)[1]
-    return "parameter" in last or last == "get_type_description"
+    return name.rpartition("/")[2] in EVERY_NODES_SERVICES
 
 
-def expect_service(name: str, service_type: Any) -> None:
-    """The answer offers a service of this type."""
-    now().wait(lambda: name in _services(), settle_timeout())
-    there = _services()
-    hint = f"Nobody serves `{name}`. {nearest(name, list(there))}"
-    hint += f"Your node serves {', '.join(there)}. " if there else "Your node has no service of its own. "
-    now().settle(f"it serves `{name}`", name in there, f"{hint}`%ros2 service list -t` shows them.")
-    wanted = type_name(service_type)
-    hint = (
-        f"Its type is {', '.join(there[name])}. A client of another type waits for ever: "
-        f"`%ros2 service type {name}` shows it."
-    )
-    now().settle(f"`{name}` has the type `{wanted}`", there[name] == [wanted], hint)
+def expect_service(name: str, service_type: Any) -> Client:
+    """The answer offers a service of this type; a client of it."""
+    wait(lambda: name in _services(), arrival_timeout())
+    services = _services()
+    hint = f"Nobody serves `{name}`. {nearest(name, list(services))}"
+    hint += f"Your node serves {', '.join(services)}. " if services else "Your node has no service of its own. "
+    require(f"it serves `{name}`", name in services, f"{hint}`%ros2 service list -t` shows them.")
+    hint = f" A client of another type waits for ever: `%ros2 service type {name}` shows it."
+    expect_type(name, services[name], service_type, hint)
+    return Client(name, service_type)
 
 
 @dataclass
@@ -58,9 +52,9 @@ class Client:
 
     def __init__(self, name: str, service_type: Any, station: Station | None = None) -> None:
         self._name, self._type = name, service_type
-        station = station or now().stage
-        self._client = station.hand.create_client(service_type, name)
-        now().wait(self._client.service_is_ready, CONNECT_TIMEOUT, f"the service {name}")
+        station = station or current().stage
+        self._client = station.check_node.create_client(service_type, name)
+        wait(self._client.service_is_ready, CONNECT_TIMEOUT, f"the service {name}")
         meet(station, name)
 
     def ask(self, timeout: float = ANSWER_TIMEOUT, **request: Any) -> Answer:
@@ -78,7 +72,7 @@ class Client:
             future = self._client.call_async(self._type.Request(**fields))
             future.add_done_callback(lambda _, number=number: done.setdefault(number, time.monotonic() - began))
             futures.append(future)
-        now().wait(lambda: len(done) == len(futures), timeout, f"the response of {self._name}")
+        wait(lambda: len(done) == len(futures), timeout, f"the response of {self._name}")
         answers = []
         for number, future in enumerate(futures):
             if number in done:
@@ -120,12 +114,8 @@ class Server:
 def a_server(name: str, service_type: Any, answer: Callable[[Any, Any], Any]) -> Server:
     """Serve a service on the stage until the check ends."""
     server = Server(answer)
-
-    def prepare(node: Node) -> None:
-        node.create_service(service_type, name, server.serve)
-
-    now().stage.node_for(prepare)
-    now().ending.append(server.ended.set)  # what still waits in a callback would keep the node in the graph
+    current().stage.on_own_node(lambda node: node.create_service(service_type, name, server.serve))
+    current().ending.append(server.ended.set)  # what still waits in a callback would keep the node in the graph
     return server
 
 

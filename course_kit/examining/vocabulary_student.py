@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from course_kit.examining.examination import now
-from course_kit.examining.vocabulary import nearest
+from course_kit.examining.examination import current
+from course_kit.examining.vocabulary import expect, nearest, wait
 
 ARRIVAL = 0.3  # seconds that a message may take which was sent just before the check
 LOG_ARRIVAL = 1.5  # the same for a log line: the publisher of a node just started must be found first
@@ -14,29 +14,29 @@ LOG_ARRIVAL = 1.5  # the same for a log line: the publisher of a node just start
 
 def expect_running_node(name: str, node_class: str, points: int = 0) -> None:
     """The student has a node of this full name running."""
-    station = now().student
-    now().wait(lambda: name in station.their_nodes(), 1.0)
-    there = station.their_nodes()
-    running = f"Running: {', '.join(there)}. " if there else "No node runs. "
-    hint = f"{nearest(name, there)}{running}Start it with `run({node_class}…)`; `%ros2 node list` shows it."
-    now().settle(f"the node `{name}` runs", name in there, hint, points, needed=True)
+    station = current().student
+    wait(lambda: name in station.their_nodes(), 1.0)
+    names = station.their_nodes()
+    running = f"Running: {', '.join(names)}. " if names else "No node runs. "
+    hint = f"{nearest(name, names)}{running}Start it with `run({node_class}…)`; `%ros2 node list` shows it."
+    expect(f"the node `{name}` runs", name in names, hint, points, needed=True)
 
 
 def heard_since_start(topic: str) -> list[Any]:
     """What came on a watched topic since its publisher was started."""
-    heard, asked = now().watched[topic], time.time_ns()
-    if now().student.publishers(topic):  # which may have been started just now
-        now().wait(lambda: heard.times[-1:] > [asked], ARRIVAL)
+    heard, asked = current().watched[topic], time.time_ns()
+    if current().student.publishers(topic):  # which may have been started just now
+        wait(lambda: heard.times[-1:] > [asked], ARRIVAL)
     return heard.since_restart()
 
 
 def logged_by(logger: str) -> list[Any]:
     """What a node logged since it was started, as far as the checker heard it."""
-    student = now().student
+    student = current().student
 
     def lines() -> list[Any]:
         ends = [bytes(end.endpoint_gid) for end in student.publishers("/rosout") if end.node_name == logger]
         return student.node_log().said_by(ends, logger)
 
-    now().wait(lines, LOG_ARRIVAL)
+    wait(lines, LOG_ARRIVAL)
     return lines()

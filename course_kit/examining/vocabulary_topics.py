@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from course_kit.examining.examination import now
+from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import nearest, pause, settle_timeout
+from course_kit.examining.vocabulary import arrival_timeout, expect, expect_type, nearest, pause, require, wait
 from course_kit.recordings.measure import measure
 from course_kit.watching import topics
-from course_kit.watching.topics import type_name
 
 
 def expect_topic(topic: str, message_type: Any) -> None:
     """The answer publishes a topic of this type."""
-    _expect_end(topic, message_type, "publishes", "publisher", now().stage.publishers, lambda i: i.publishers)
+    _expect_end(topic, message_type, "publishes", "publisher", current().stage.publishers, lambda node: node.publishers)
 
 
 def expect_subscription(topic: str, message_type: Any) -> None:
     """The answer subscribes to a topic with this type."""
-    _expect_end(
-        topic, message_type, "subscribes to", "subscription", now().stage.subscriptions, lambda i: i.subscribers
-    )
+    ends = current().stage.subscriptions
+    _expect_end(topic, message_type, "subscribes to", "subscription", ends, lambda node: node.subscribers)
 
 
 def _expect_end(
@@ -38,50 +38,44 @@ def _expect_end(
     ends: Callable[[str], Sequence[Any]],
     of_node: Callable[[Any], dict[str, list[str]]],
 ) -> None:
-    now().wait(lambda: ends(topic), settle_timeout())
-    found = ends(topic)
-    names = now().stage.their_nodes()
-    theirs = sorted({name for one in now().stage.offered() for name in of_node(one)} - {"/parameter_events"})
+    wait(lambda: ends(topic), arrival_timeout())
+    endpoints = ends(topic)
+    nodes = current().stage.their_nodes()
+    theirs = sorted({name for node in current().stage.offered() for name in of_node(node)} - {"/parameter_events"})
     hint = f"`{topic}` has no {end}. "
-    if not names:
+    if not nodes:
         hint += "Is your node running? `%ros2 node list` shows it."
     elif theirs:
-        hint += f"{nearest(topic, theirs)}Your node {does} {', '.join(theirs)}: `%ros2 node info {names[0]}` shows it."
+        hint += f"{nearest(topic, theirs)}Your node {does} {', '.join(theirs)}: `%ros2 node info {nodes[0]}` shows it."
     else:
-        hint += f"Your node {does} no topic: `%ros2 node info {names[0]}` shows what it has."
-    now().settle(f"it {does} `{topic}`", found, hint)
-    wanted = type_name(message_type)
-    types = sorted({one.topic_type for one in found})
-    hint = (
-        f"Its type is {', '.join(types)}. Ends of different types never meet, and nobody gets an error: "
-        f"`%ros2 topic info {topic}` shows the type."
-    )
-    now().settle(f"`{topic}` has the type `{wanted}`", types == [wanted], hint)
+        hint += f"Your node {does} no topic: `%ros2 node info {nodes[0]}` shows what it has."
+    require(f"it {does} `{topic}`", endpoints, hint)
+    hint = f" Ends of different types never meet, and nobody gets an error: `%ros2 topic info {topic}` shows the type."
+    expect_type(topic, sorted({endpoint.topic_type for endpoint in endpoints}), message_type, hint)
 
 
 def expect_compatible_subscription(topic: str, publisher: Publisher, points: int = 0) -> bool:
     """The answer's subscription takes what this publisher offers: they match."""
-    now().wait(lambda: now().stage.subscriptions(topic), settle_timeout())  # a program's come after its node
-    matched = now().wait(lambda: publisher.get_subscription_count() > 0, topics.MISMATCH_TIMEOUT)
-    asked = [s.qos_profile for s in now().stage.subscriptions(topic)]
-    why = "`%ros2 topic info -v` shows both sides."
-    if any(q.reliability == ReliabilityPolicy.RELIABLE for q in asked):
-        why = (
-            "It asks for RELIABLE, and the publisher offers BEST_EFFORT only, so DDS does not connect them. "
+    wait(lambda: current().stage.subscriptions(topic), arrival_timeout())  # a program's come after its node
+    matched = wait(lambda: publisher.get_subscription_count() > 0, topics.MISMATCH_TIMEOUT)
+    asked = [subscription.qos_profile for subscription in current().stage.subscriptions(topic)]
+    policies = None
+    if any(qos.reliability == ReliabilityPolicy.RELIABLE for qos in asked):
+        policies = "RELIABLE", "BEST_EFFORT"
+    elif any(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in asked):
+        policies = "TRANSIENT_LOCAL", "VOLATILE"
+    hint = "`%ros2 topic info -v` shows both sides."
+    if policies:
+        hint = (
+            f"It asks for {policies[0]}, and the publisher offers {policies[1]} only, so DDS does not connect them. "
             f"`%ros2 topic info -v {topic}` shows both sides."
         )
-    elif any(q.durability == DurabilityPolicy.TRANSIENT_LOCAL for q in asked):
-        why = (
-            "It asks for TRANSIENT_LOCAL, and the publisher offers VOLATILE only, so DDS does not connect them. "
-            f"`%ros2 topic info -v {topic}` shows both sides."
-        )
-    return now().settle(f"its subscription to `{topic}` matches the publisher's QoS", matched, why, points, needed=True)
+    return expect(f"its subscription to `{topic}` matches the publisher's QoS", matched, hint, points, needed=True)
 
 
 def publisher(topic: str, message_type: Any, qos: QoSProfile | int = 10) -> Publisher:
     """A publisher of the checker's on the stage."""
-    station = now().stage
-    return station.hand.create_publisher(message_type, topics.absolute(topic), qos)
+    return current().stage.check_node.create_publisher(message_type, topics.absolute(topic), qos)
 
 
 def publish_steadily(to: Publisher, messages: Sequence[Any], period: float) -> None:
@@ -95,8 +89,8 @@ def publish_steadily(to: Publisher, messages: Sequence[Any], period: float) -> N
 
 def listen(topic: str, message_type: Any) -> Heard:
     """Hear a topic of the stage from now on, until the check ends."""
-    heard = now().stage.listen(topic, message_type)
-    meet(now().stage)
+    heard = current().stage.listen(topic, message_type)
+    meet(current().stage)
     return heard
 
 
@@ -107,7 +101,7 @@ def wait_until_quiet(heard: Heard, quiet: float, timeout: float, at_most: int = 
         times = heard.times
         return len(times) >= at_most or bool(times and time.time_ns() - times[-1] > quiet * 1e9)
 
-    now().wait(is_quiet, timeout, f"the end of {heard.subscription.topic if heard.subscription else 'a topic'}")
+    wait(is_quiet, timeout, f"the end of {heard.topic}")
 
 
 def values(heard: Heard, field: str) -> list[Any]:
@@ -117,21 +111,18 @@ def values(heard: Heard, field: str) -> list[Any]:
 
 def rate(heard: Heard) -> float:
     """Messages a second, as `ros2 topic hz` has it; nan below two messages."""
-    import numpy as np
-
     times = np.asarray(heard.times, np.int64)
     return measure(times, np.ones_like(times)).rate
 
 
-def expect_rate(heard: Heard, wanted: float, within: float, points: int, hint: str = "") -> bool:
+def expect_rate(heard: Heard, wanted: float, within: float, points: int = 1, hint: str = "") -> bool:
     """The messages came at a rate (Hz), but for a part of it (`within`)."""
     measured = rate(heard)
-    topic = heard.subscription.topic if heard.subscription else ""
-    was = f"It was {measured:.1f} Hz." if measured == measured else f"{len(heard)} message came, too few for a rate."
-    return now().settle(
-        f"`{topic}` has {wanted:g} messages a second",
+    came = f"{len(heard)} message came, too few for a rate." if math.isnan(measured) else f"It was {measured:.1f} Hz."
+    why = hint or f"The period is in seconds: 1 / {wanted:g} = {1 / wanted:g}."
+    return expect(
+        f"`{heard.topic}` has {wanted:g} messages a second",
         abs(measured - wanted) <= within * wanted,
-        f"{was} {hint or f'The period is in seconds: 1 / {wanted:g} = {1 / wanted:g}.'} `%ros2 topic hz "
-        f"{topic}` measures it.",
+        f"{came} {why} `%ros2 topic hz {heard.topic}` measures it.",
         points,
     )

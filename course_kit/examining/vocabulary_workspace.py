@@ -18,8 +18,8 @@ from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 
 from course_kit.colcon import sourcing
-from course_kit.examining.examination import WORKSPACE, now
-from course_kit.examining.vocabulary import nearest, pause
+from course_kit.examining.examination import WORKSPACE, current
+from course_kit.examining.vocabulary import expect, nearest, pause, require, wait
 from course_kit.examining.vocabulary_services import Client
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
@@ -33,7 +33,7 @@ STOP_PATIENCE = 2.0
 
 def folder() -> Path:
     """The student's workspace."""
-    return now().folder / WORKSPACE
+    return current().folder / WORKSPACE
 
 
 def _prefix(package: str) -> Path:
@@ -49,22 +49,22 @@ def share(package: str) -> Path:
 
 def expect_package(package: str, build_type: str, points: int = 0) -> None:
     """The workspace has this package, and what is installed of it is what lies in `src` now."""
-    there = {path.parent.name: path for path in (folder() / "src").glob("*/package.xml")}
-    hint = f"{nearest(package, list(there))}In {WORKSPACE}/src there are: {', '.join(sorted(there)) or 'no packages'}."
-    now().settle(f"`{WORKSPACE}/src` has the package `{package}`", package in there, hint)
-    found = _build_type(there[package])
-    hint = f"Its package.xml says {found}. Remove the folder, and make it anew with `--build-type {build_type}`."
-    now().settle(f"its build type is {build_type}", found == build_type, hint)
+    manifests = {path.parent.name: path for path in (folder() / "src").glob("*/package.xml")}
+    names = ", ".join(sorted(manifests)) or "no packages"
+    hint = f"{nearest(package, list(manifests))}In {WORKSPACE}/src there are: {names}."
+    require(f"`{WORKSPACE}/src` has the package `{package}`", package in manifests, hint)
+    stated = _build_type(manifests[package])
+    hint = f"Its package.xml says {stated}. Remove the folder, and make it anew with `--build-type {build_type}`."
+    require(f"its build type is {build_type}", stated == build_type, hint)
     marker = _prefix(package) / "share/ament_index/resource_index/packages" / package
     hint = f"There is no {WORKSPACE}/install/{package}: `colcon build --packages-select {package}`, beside `src`."
     if (folder() / "src/install" / package).is_dir():
         hint = f"It is in {WORKSPACE}/src/install: you built in `src`. Remove build, install and log there, and build "
         hint += f"in {WORKSPACE}."
-    now().settle(f"`{package}` is built", marker.is_file(), hint, points, needed=True)
-    changed = [str(path.relative_to(folder())) for path in _changed(package)]
-    hint = f"{', '.join(changed)} is newer than what is installed: build again, then run this cell again."
-    if changed:
-        now().settle("what is installed is what is in `src`", False, hint)
+    expect(f"`{package}` is built", marker.is_file(), hint, points, needed=True)
+    if changed := [str(path.relative_to(folder())) for path in _changed(package)]:
+        hint = f"{', '.join(changed)} is newer than what is installed: build again, then run this cell again."
+        require("what is installed is what is in `src`", False, hint)
 
 
 def _build_type(package_xml: Path) -> str:
@@ -87,12 +87,12 @@ def _changed(package: str) -> list[Path]:
 def expect_executable(package: str, name: str) -> None:
     """`ros2 run` knows this program of a package."""
     path = _prefix(package) / "lib" / package
-    there = sorted(one.name for one in path.iterdir() if os.access(one, os.X_OK)) if path.is_dir() else []
+    programs = sorted(file.name for file in path.glob("*") if os.access(file, os.X_OK))
     hint = (
-        f"{nearest(name, there)}`ros2 run` finds {', '.join(there) or 'no program'} in {package}: a program needs "
-        f"a line `{name} = {package}.module:main` in console_scripts of setup.py, and a build."
+        f"{nearest(name, programs)}`ros2 run` finds {', '.join(programs) or 'no program'} in {package}: a program "
+        f"needs a line `{name} = {package}.module:main` in console_scripts of setup.py, and a build."
     )
-    now().settle(f"`{package}` has the program `{name}`", name in there, hint)
+    require(f"`{package}` has the program `{name}`", name in programs, hint)
 
 
 def expect_installed(package: str, file: str) -> None:
@@ -101,7 +101,7 @@ def expect_installed(package: str, file: str) -> None:
         f"There is no {file} in {WORKSPACE}/install/{package}/share/{package}: `data_files` in setup.py says which "
         f"files are installed, and a build installs them."
     )
-    now().settle(f"`{file}` is installed", (share(package) / file).is_file(), hint)
+    require(f"`{file}` is installed", (share(package) / file).is_file(), hint)
 
 
 def _environment() -> dict[str, str]:
@@ -109,17 +109,17 @@ def _environment() -> dict[str, str]:
     try:
         environment = sourcing.sourced(folder() / "install/setup.bash", processes.without_kernel(os.environ))
     except (OSError, RuntimeError) as error:
-        now().settle(f"`{WORKSPACE}/install/setup.bash` can be sourced", False, f"{error}.")
+        require(f"`{WORKSPACE}/install/setup.bash` can be sourced", False, f"{error}.")
         raise
     for name in ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS", "ROS_NAMESPACE"):
         environment.pop(name, None)
-    return {**environment, **processes.PLAIN_TERMINAL, "ROS_DOMAIN_ID": str(now().stage.domain), RANGE: "LOCALHOST"}
+    return {**environment, **processes.PLAIN_TERMINAL, "ROS_DOMAIN_ID": str(current().stage.domain), RANGE: "LOCALHOST"}
 
 
 def start(*command: str) -> Process:
     """Start a command on the stage, in the workspace's folder; it ends with the check."""
     process = Process(command, " ".join(command), _environment(), folder())
-    now().ending.append(lambda: process.stop(STOP_PATIENCE))
+    current().ending.append(lambda: process.stop(STOP_PATIENCE))
     process.begin()
     return process
 
@@ -127,7 +127,7 @@ def start(*command: str) -> Process:
 def run_to_end(*command: str, timeout: float) -> Process:
     """Run a command on the stage until it ends or the time is over."""
     process = start(*command)
-    now().wait(process.done, timeout, f"the end of `{process.name}`")
+    wait(process.done, timeout, f"the end of `{process.name}`")
     return process
 
 
@@ -140,7 +140,7 @@ def said(process: Process, lines: int = 2) -> str:
 
 def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     """What was started has nodes of these full names."""
-    station = now().stage
+    station = current().stage
 
     def missing() -> list[str]:
         return [name for name in names if name not in station.their_nodes()]
@@ -148,13 +148,13 @@ def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     def is_decided() -> bool:
         return not missing() or not process.is_running
 
-    now().wait(is_decided, START_TIMEOUT, f"the nodes of `{process.name}`")
-    now().wait(lambda: is_decided() or not _still_begins(process), LONGEST_START - START_TIMEOUT)
+    wait(is_decided, START_TIMEOUT, f"the nodes of `{process.name}`")
+    wait(lambda: is_decided() or not _still_begins(process), LONGEST_START - START_TIMEOUT)
     station.known(3.0)
-    left, there = missing(), station.their_nodes()
-    hint = f"There is no {', '.join(left)}, there is {', '.join(there) or 'no node at all'}. {said(process)}"
+    absent, present = missing(), station.their_nodes()
+    hint = f"There is no {', '.join(absent)}, there is {', '.join(present) or 'no node at all'}. {said(process)}"
     text = f"the node `{names[0]}` runs" if len(names) == 1 else f"the nodes {', '.join(f'`{n}`' for n in names)} run"
-    return now().settle(text, not left, hint, points, needed=True)
+    return expect(text, not absent, hint, points, needed=True)
 
 
 def _still_begins(process: Process) -> bool:
@@ -162,16 +162,16 @@ def _still_begins(process: Process) -> bool:
 
     On a machine with enough to do for other processes, loading takes long.
     """
+    times = 0
     try:
         root = psutil.Process(process.pid)
         tree = [root, *root.children(recursive=True)]
     except psutil.Error:  # it has ended
         return False
-    looks = 0
     for _ in range(LOOKS):
-        looks += any(_wants_to_run(one) for one in tree)
+        times += any(_wants_to_run(program) for program in tree)
         pause(0.05)
-    return looks > LOOKS / 2
+    return times > LOOKS / 2
 
 
 def _wants_to_run(program: psutil.Process) -> bool:
@@ -183,8 +183,8 @@ def _wants_to_run(program: psutil.Process) -> bool:
 
 def expect_gone(node: str) -> None:
     """A node that was stopped has left the graph."""
-    gone = now().wait(lambda: node not in now().stage.their_nodes(), 5.0, f"the end of {node}")
-    now().settle(f"`{node}` leaves the graph at Ctrl-C", gone, "It is still there: did it end without cleaning up?")
+    gone = wait(lambda: node not in current().stage.their_nodes(), 5.0, f"the end of {node}")
+    require(f"`{node}` leaves the graph at Ctrl-C", gone, "It is still there: did it end without cleaning up?")
 
 
 def set_parameter(node: str, name: str, value: Any) -> tuple[bool, str]:
@@ -203,19 +203,18 @@ def get_parameters(node: str, *names: str) -> list[Any]:
     return values if len(values) == len(names) else [None] * len(names)
 
 
-def expect_definition(package: str, name: str, wanted: Sequence[str], points: int) -> bool:
+def expect_definition(package: str, name: str, wanted: Sequence[str], points: int = 1) -> bool:
     """The installed definition, such as that of 'msg/Battery', has these lines but for order, spaces and remarks.
 
     The three dashes of a service part its lines: the order counts across them only.
     """
     path = share(package) / f"{name}.{name.split('/')[0]}"
     text = path.read_text() if path.is_file() else ""
-    found, asked = _parts(text.splitlines()), _parts(wanted)
     shown = " / ".join(" ".join(line.split()) for line in text.splitlines() if line.strip())
     hint = f"{package} has no {name}: is its file listed in rosidl_generate_interfaces(…) of CMakeLists.txt, and built?"
     if text:
         hint = f"It says: {shown}. Types, names and constants must be those of the text, or nobody else can read it."
-    return now().settle(f"`{package}/{name}` is as asked", found == asked, hint, points)
+    return expect(f"`{package}/{name}` is as asked", _parts(text.splitlines()) == _parts(wanted), hint, points)
 
 
 def _parts(lines: Sequence[str]) -> list[list[str]]:

@@ -15,10 +15,10 @@ from std_msgs.msg import Bool
 
 from course_kit.bags.files import BagInfo, info
 from course_kit.bags.storage import BagError
-from course_kit.examining.examination import now
+from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import answer, expect, expect_node, expect_value, pause, wait
+from course_kit.examining.vocabulary import answer, expect, expect_value, parts, pause, require, wait
 from course_kit.examining.vocabulary_services import Client
 from course_kit.examining.vocabulary_student import expect_running_node
 from course_kit.examining.vocabulary_topics import (
@@ -45,20 +45,18 @@ SET_LEVELS = "/quiet/set_logger_levels"
 @exercise("debugging-1", "Who keeps, who loses", points=2, minutes=8, level="warm-up", timeout=5, value=True)
 def who_keeps(value: Any) -> None:
     """The topic that is kept for latecomers, and the one that may lose messages."""
-    kept, lossy = value if isinstance(value, list) and len(value) == 2 else (value, None)
+    kept, lossy = parts(value, 2)
     expect_value(
         "the topic that is kept for those who come later",
         _absolute(kept),
         "/speed_limit",
         "Its publisher has Durability TRANSIENT_LOCAL: `%ros2 topic info -v` of each topic shows it.",
-        points=1,
     )
     expect_value(
         "the topic that may lose messages",
         _absolute(lossy),
         SCANS,
         "Its publisher has Reliability BEST_EFFORT: `%ros2 topic info -v` of each topic shows it.",
-        points=1,
     )
 
 
@@ -74,15 +72,14 @@ def _absolute(name: Any) -> Any:
     level="medium",
     timeout=25,
     node_class="Quiet",
-    node="/quiet",
     watches=("/rosout", POSES),
 )
 def not_so_loud() -> None:
     """It logs INFO once a second at most, and each pose when it is asked for DEBUG."""
     expect_running_node("/quiet", "Quiet")
-    poses = now().watched[POSES]
+    poses = current().watched[POSES]
     before = poses.received
-    expect(
+    require(
         "a turtle runs beside it",
         wait(lambda: poses.received >= before + 10, 5.0),
         "No pose came on `/turtle1/pose`: `run(TurtleSim)`, and leave it running.",
@@ -95,9 +92,8 @@ def not_so_loud() -> None:
         2 <= len(infos) <= 4 and all(line.msg.startswith("x = ") and line.level == INFO for line in infos),
         f"In 3 s it logged {len(infos)} lines{_such_as(infos)}: `throttle_duration_sec=1.0` as an argument of "
         f"`info(…)` leaves the others out.",
-        points=1,
     )
-    is_set = expect("its level can be set from outside", _set_level(DEBUG), _why_not_set(), points=1)
+    is_set = expect("its level can be set from outside", _set_level(DEBUG), _why_not_set())
     try:
         began = time.time_ns()
         wait(lambda: len(_details_since(began)) >= MANY, 4.0)
@@ -110,13 +106,12 @@ def not_so_loud() -> None:
         len(details) >= MANY,
         f"In 4 s, with about 250 poses, it logged {len(details)} lines as DEBUG{_such_as(details)}: `debug(…)` for "
         f"each pose, without a throttle.",
-        points=1,
     )
 
 
 def _lines_since(began: int) -> list[Any]:
     """What /quiet has logged since a time (nanoseconds)."""
-    return [line.message for line in now().student.node_log().lines("quiet") if line.received >= began]
+    return [line.message for line in current().student.node_log().lines("quiet") if line.received >= began]
 
 
 def _details_since(began: int) -> list[Any]:
@@ -128,7 +123,7 @@ def _such_as(lines: list[Any]) -> str:
 
 
 def _set_level(level: int) -> bool:
-    client = Client(SET_LEVELS, SetLoggerLevels, now().student)
+    client = Client(SET_LEVELS, SetLoggerLevels, current().student)
     response = client.ask(levels=[LoggerLevel(name="quiet", level=level)]).response
     return response is not None and all(result.successful for result in response.results)
 
@@ -140,21 +135,11 @@ def _why_not_set() -> str:
     )
 
 
-@exercise(
-    "debugging-3",
-    "A watchdog",
-    points=3,
-    minutes=12,
-    level="medium",
-    timeout=20,
-    node_class="Watchdog",
-    node="/watchdog",
-)
+@exercise("debugging-3", "A watchdog", points=3, minutes=12, level="medium", timeout=20, node_class="Watchdog")
 def watchdog() -> None:
     """It says five times a second whether a scan has come in the last half second."""
     laser = publisher(SCANS, LaserScan, qos_profile_sensor_data)
-    answer("Watchdog")
-    expect_node("/watchdog")
+    answer()
     expect_subscription(SCANS, LaserScan)
     expect_topic("/scan_alive", Bool)
     alive = listen("/scan_alive", Bool)
@@ -163,7 +148,6 @@ def watchdog() -> None:
         "without a scan it says false",
         values(alive, "data") and not any(values(alive, "data")),
         f"{_said(alive)} Nothing had come yet: begin with no time at all, or one long ago.",
-        points=1,
     )
     expect_compatible_subscription(SCANS, laser)
     publish_steadily(laser, [LaserScan(ranges=[1.0])] * 20, period=0.1)
@@ -177,9 +161,8 @@ def watchdog() -> None:
         f"While scans came, ten a second, it said {with_scans}, and false "
         f"{f'{delay:.1f} s after' if delay else 'not within 2 s of'} the last one: keep the time of each scan, and "
         f"compare it with the present time in the timer's callback, not in that of the scan.",
-        points=1,
     )
-    expect_rate(alive, 5.0, within=0.15, points=1)
+    expect_rate(alive, 5.0, within=0.15)
 
 
 def _said(heard: Heard) -> str:
@@ -198,13 +181,13 @@ def _turned_false(heard: Heard, since: int) -> bool:
 @exercise("debugging-4", "A bag of a circle", points=2, minutes=10, level="medium", timeout=20, value=True)
 def circle(value: Any) -> None:
     """A bag with the two topics and nothing else, in which the turtle goes round once."""
-    expect("the answer is the path of a bag", isinstance(value, str), f'You gave {value!r}: a text, such as "circle".')
-    path = now().folder / value
+    require("the answer is the path of a bag", isinstance(value, str), f'You gave {value!r}: a text, such as "circle".')
+    path = current().folder / value
     try:
         found, hint = info(path), ""
     except (BagError, OSError) as error:
         found, hint = None, f"{error} The path is seen from the folder in which the notebook lies."
-    expect("there is a bag", found is not None, hint)
+    require("there is a bag", found is not None, hint)
     assert found is not None
     there = sorted(topic.name for topic in found.topics if topic.count)
     expect(
@@ -212,7 +195,6 @@ def circle(value: Any) -> None:
         there == sorted(DRIVEN) and found.seconds >= 5.0,
         f"It has messages of {', '.join(there) or 'nothing'}, and is {found.seconds:.1f} s long: name the topics to "
         f"`bags.record(…)`, and drive while it records.",
-        points=1,
     )
     poses = _poses(found)
     turned = abs(sum(math.remainder(b.theta - a.theta, math.tau) for a, b in pairwise(poses)))
@@ -222,7 +204,6 @@ def circle(value: Any) -> None:
         turned >= 0.97 * math.tau and fastest >= 0.99,
         f"In the bag it turns by {math.degrees(turned):.0f}° and drives at {fastest:.1f} m/s at most: a circle takes "
         f"2π / angular.z seconds.",
-        points=1,
     )
 
 
@@ -235,8 +216,7 @@ def _poses(found: BagInfo) -> list[Any]:
 @exercise("debugging-6", "Three patients", points=5, minutes=30, level="harder", timeout=25, value=True)
 def three_patients(value: Any) -> None:
     """The causes of three faults, the last of which is repaired."""
-    given = value if isinstance(value, list) and len(value) == len(SEEDS) else [value, *[None] * (len(SEEDS) - 1)]
-    for seed, cause in zip(SEEDS, given, strict=True):
+    for seed, cause in zip(SEEDS, parts(value, len(SEEDS)), strict=True):
         fault = all_faults.pick(seed)
         known = cause in all_faults.FAULTS if isinstance(cause, str) else False
         expect(
@@ -244,6 +224,5 @@ def three_patients(value: Any) -> None:
             cause == fault.id,
             f"You gave {cause!r}. "
             + (all_faults.find(cause).evidence if known else "It is an id, as `faults.catalogue()` lists them."),
-            points=1,
         )
     expect_well(points=2)

@@ -9,7 +9,7 @@ from turtlesim.msg import Pose
 
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import answer, expect, expect_node, wait
+from course_kit.examining.vocabulary import answer, expect, wait
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_subscription,
@@ -31,12 +31,10 @@ FEW = 5  # poses, fewer than any queue holds
     level="harder",
     timeout=20,
     node_class="Mileage",
-    node="/mileage",
 )
 def mileage() -> None:
     """It adds up what was driven, without what was jumped."""
-    answer("Mileage")
-    expect_node("/mileage")
+    answer()
     expect_subscription(POSES, Pose)
     expect_topic("/mileage", Float32)
     turtle = publisher(POSES, Pose)
@@ -51,14 +49,12 @@ def mileage() -> None:
         len(said) == len(driven) and said[0] == 0.0,
         f"For {len(driven)} poses there were {len(said)} messages{f', the first {said[0]:.2f}' if said else ''}: "
         f"publish in the callback of the pose, also for the first one.",
-        points=1,
         needed=not said,
     )
     expect(
         "60 steps of 0.05 m are 3 m",
         abs(said[-1] - 3.0) < 0.01,
         f"It said {said[-1]:.2f} m: add `math.dist` of one pose and the one before.",
-        points=1,
     )
     after = [Pose(x=9.0, y=9.0 - 0.05 * step) for step in range(21)]  # a jump, then 1 m
     _send(turtle, after, heard)
@@ -68,7 +64,6 @@ def mileage() -> None:
         abs(last - 4.0) < 0.01,
         f"3 m, a jump, and 1 m more: it said {last:.2f} m. Leave out a step of more than 0.2 m, and go on from where "
         f"the turtle is then.",
-        points=1,
     )
 
 

@@ -16,6 +16,7 @@ from course_kit.examining.vocabulary import (
     pause,
     pending_calls,
     read,
+    require,
     wait_for_servers,
 )
 from course_kit.examining.vocabulary_services import Client, a_server, add_two_ints, expect_service, no_answer
@@ -24,49 +25,37 @@ SLOW_TICK = 0.1  # seconds; so slow that who does not wait for a tick is always 
 LATE = 1.5  # seconds that a wait of 0.5 s may take where the machine is busy
 
 
-@exercise("services-1", "A lamp", points=2, minutes=8, level="warm-up", timeout=15, node_class="Lamp", node="/lamp")
+@exercise("services-1", "A lamp", points=2, minutes=8, level="warm-up", node_class="Lamp")
 def lamp() -> None:
     """It is switched on and off; each response says whether that changed it, and what it is now."""
-    answer("Lamp")
-    expect_node("/lamp")
-    expect_service("/lamp", SetBool)
-    client = Client("/lamp", SetBool)
+    answer()
+    client = expect_service("/lamp", SetBool)
     begins_off = read("is_on") is False
     said = []
     for number, data in enumerate((True, True, False, False), start=1):
         said.append(client.ask(data=data).response)
-        expect(f"it answers request {number}", said[-1] is not None, no_answer("/lamp"))
+        require(f"it answers request {number}", said[-1] is not None, no_answer("/lamp"))
     expect(
         "`success` tells whether the request changed the lamp",
         begins_off and [one.success for one in said] == [True, False, True, False],
         f"Asked for on, on, off, off it said {[one.success for one in said]}, and `self.is_on` began as "
         f"{'False' if begins_off else 'something else than False'}: compare request.data with self.is_on "
         f"before you set it.",
-        points=1,
     )
     expect(
         "`message` and `self.is_on` tell the state afterwards",
         [one.message for one in said] == ["on", "on", "off", "off"] and read("is_on") is False,
         f"Asked for on, on, off, off its messages were {', '.join(repr(one.message) for one in said)}: "
         f"set self.is_on first, then the message.",
-        points=1,
     )
 
 
 @exercise(
-    "services-2",
-    "A client that never hangs",
-    points=2,
-    minutes=10,
-    level="medium",
-    timeout=25,
-    node_class="SafeClient",
-    node="/safe_client",
+    "services-2", "A client that never hangs", points=2, minutes=10, level="medium", timeout=25, node_class="SafeClient"
 )
 def safe_client() -> None:
     """add() brings the sum, or None in time: without a server, and with one that does not answer."""
-    answer("SafeClient")
-    expect_node("/safe_client")
+    answer()
     alone, alone_seconds = call("add", 1, 1, 0.5, timeout=4.0)
     server = a_server("/add_two_ints", AddTwoInts, add_two_ints)
     wait_for_servers(2.0)  # the request of a client that does not wait for it itself would be lost by chance
@@ -74,10 +63,8 @@ def safe_client() -> None:
     expect(
         "with a server it returns the sum",
         brought == 5 and len(server.requests) >= 1,
-        f"add(2, 3, 3.0) returned {brought!r}, and the server got {len(server.requests)} requests: wait for "
-        "the future, "
-        f"then return its result().sum.",
-        points=1,
+        f"add(2, 3, 3.0) returned {brought!r}, and the server got {len(server.requests)} requests: wait for the "
+        "future, then return its result().sum.",
     )
     server.delay = 3.0
     slow, slow_seconds = call("add", 1, 1, 0.5, timeout=4.0)
@@ -87,7 +74,6 @@ def safe_client() -> None:
         "without a server or an answer it returns None in time, and leaves no future waiting",
         alone is None and slow is None and in_time and left == 0,
         _why_not_safe(alone, slow, alone_seconds, slow_seconds, left),
-        points=1,
     )
 
 
@@ -99,9 +85,8 @@ def _why_not_safe(alone: object, slow: object, alone_seconds: float, slow_second
         )
     if max(alone_seconds, slow_seconds) >= LATE:
         return (
-            f"With a timeout of 0.5 s it took {alone_seconds:.1f} s without a server and {slow_seconds:.1f} s "
-            "with a slow "
-            f"one: `timeout` is for both waits together, so compute what is left of it."
+            f"With a timeout of 0.5 s it took {alone_seconds:.1f} s without a server and {slow_seconds:.1f} s with a "
+            "slow one: `timeout` is for both waits together, so compute what is left of it."
         )
     return f"{left} futures still wait in the client: `self.client.remove_pending_request(future)` after a timeout."
 
@@ -114,18 +99,15 @@ def _why_not_safe(alone: object, slow: object, alone_seconds: float, slow_second
     level="medium",
     timeout=20,
     node_class="AddThreeTimes",
-    node="/add_three_times",
 )
 def add_three_times() -> None:
     """It answers 3 · (a + b), asks /add_two_ints three times for that, and adds nothing itself."""
     server = a_server("/add_two_ints", AddTwoInts, add_two_ints)
-    answer("AddThreeTimes")
-    expect_node("/add_three_times")
-    expect_service("/add_three_times", AddTwoInts)
-    client = Client("/add_three_times", AddTwoInts)
+    answer()
+    client = expect_service("/add_three_times", AddTwoInts)
     first = client.ask(a=2, b=3).response
     asked = len(server.requests)
-    expect(
+    require(
         "it answers",
         first is not None,
         f"{no_answer('/add_three_times')} A callback that waits for an answer is a deadlock: make it `async def`, "
@@ -138,19 +120,16 @@ def add_three_times() -> None:
         "2 + 3 gives 15, and -4 + 5 gives 3 afterwards",
         sums == [15, 3],
         f"The answers were {sums[0]} and {'none' if sums[1] is None else sums[1]}: 3 · (a + b), for each request anew.",
-        points=1,
     )
     expect(
         "it asks /add_two_ints three times",
         asked == 3,
         f"It asked {asked} times for one request: a + b, then that twice, then the two together.",
-        points=1,
     )
     expect(
         "what it answers is the last thing it was told: it adds nothing itself",
         last == first.sum,
         f"The last answer of /add_two_ints was {last}, and it answered {first.sum}: let the server add the sums, too.",
-        points=1,
     )
 
 
@@ -162,15 +141,15 @@ def add_three_times() -> None:
     level="medium",
     timeout=20,
     node_class="ParallelServer",
+    node="",
 )
 def parallel_server() -> None:
     """Each answer takes 0.3 s, and three requests at once are answered within 0.6 s."""
-    answer("ParallelServer", threads=True)
+    answer(threads=True)
     expect_node("/add_two_ints_server")
-    expect_service("/add_two_ints", AddTwoInts)
-    client = Client("/add_two_ints", AddTwoInts)
+    client = expect_service("/add_two_ints", AddTwoInts)
     single = client.ask(a=1, b=2)
-    expect("it answers", single.response is not None, no_answer("/add_two_ints"))
+    require("it answers", single.response is not None, no_answer("/add_two_ints"))
     requests = [{"a": number, "b": 10} for number in range(3)]
     answers, longest = [], 9.9
     for _ in range(3):  # a busy machine may be late once
@@ -184,64 +163,46 @@ def parallel_server() -> None:
         "the sums are right",
         single.response.sum == 3 and sums == [10, 11, 12],
         f"1 + 2 gave {single.response.sum}, and 0 + 10, 1 + 10, 2 + 10 gave {sums}.",
-        points=1,
     )
     shortest = min(single.seconds, *(one.seconds for one in answers))
     expect(
         "one answer takes 0.3 s",
         shortest >= 0.28,
         f"One took {shortest:.2f} s: the exercise keeps the time.sleep(0.3) of the slow server.",
-        points=1,
     )
     expect(
         "three requests at once are answered within 0.6 s",
         longest <= 0.6,
         f"They took {longest:.2f} s, one after the other: the callbacks of one MutuallyExclusiveCallbackGroup wait for "
         f"each other, also with many threads. Give the service a ReentrantCallbackGroup.",
-        points=1,
     )
 
 
-@exercise(
-    "services-5",
-    "Draw on demand",
-    points=5,
-    minutes=30,
-    level="project",
-    timeout=60,
-    node_class="StarPainter",
-    node="/star_painter",
-)
+@exercise("services-5", "Draw on demand", points=5, minutes=30, level="project", timeout=60, node_class="StarPainter")
 def star_painter() -> None:
     """It draws a star, answers when it is there, and says so if there is no turtle."""
-    answer("StarPainter")
-    expect_node("/star_painter")
-    expect_service("/draw_star", Trigger)
-    client = Client("/draw_star", Trigger)
+    answer()
+    client = expect_service("/draw_star", Trigger)
     alone = client.ask(6.0)
     expect(
         "without a turtle it says so within 3 s",
         alone.response is not None and not alone.response.success and alone.seconds <= 3.5,
         f"{'No response came' if alone.response is None else f'It said success={alone.response.success}'} after "
         f"{alone.seconds:.1f} s: look at what wait_for_service(timeout_sec=…) returns, before the first call.",
-        points=1,
     )
     if alone.response is None:  # what hangs may keep it from answering again
-        answer("StarPainter")
-        expect_node("/star_painter")
+        answer()
         client = Client("/draw_star", Trigger)
     turtlesim = a_turtle(period=SLOW_TICK)
     pause(0.5)
     drawn = client.ask(40.0)
-    expect("with a turtle it answers", drawn.response is not None, no_answer("/draw_star", 40.0))
+    require("with a turtle it answers", drawn.response is not None, no_answer("/draw_star", 40.0))
     at_the_end = trails.distance_to_end(turtlesim)
     expect(
         "it answers `5 lines` when it has arrived",
         drawn.response.success and drawn.response.message == "5 lines" and at_the_end < 0.3,
-        f"It said success={drawn.response.success}, {drawn.response.message!r}, with the turtle "
-        f"{at_the_end:.1f} m from "
-        f"the end of the last line: wait for its pose, then respond.",
-        points=1,
+        f"It said success={drawn.response.success}, {drawn.response.message!r}, with the turtle {at_the_end:.1f} m "
+        "from the end of the last line: wait for its pose, then respond.",
     )
     pause(2 * SLOW_TICK)  # the last tick of the pen
     seen = trails.star_seen(turtlesim)
@@ -250,21 +211,17 @@ def star_painter() -> None:
         seen.complete == 5,
         f"{seen.complete} of the 5 lines are there in yellow: corners 4 m from (5.54, 5.54) at 90°, 234°, 18°, 162°, "
         f"306°, one straight above it. `turtlesim.picture()` shows what was drawn.",
-        points=1,
     )
     expect(
         "they are 4 pixels wide",
         seen.width in (4, 5),
         f"They are about {seen.width} wide: `width=4` in the request of set_pen.",
-        points=1,
     )
     expect(
         "nothing else is drawn",
         seen.elsewhere < 20 and seen.complete > 0,
-        f"{seen.elsewhere} pixels are painted beside the star: lift the pen (`off=1`) for the way to the "
-        "first corner. A "
-        f"teleport happens at the next tick, after its response: wait for the pose before the pen goes down."
+        f"{seen.elsewhere} pixels are painted beside the star: lift the pen (`off=1`) for the way to the first corner. "
+        "A teleport happens at the next tick, after its response: wait for the pose before the pen goes down."
         if seen.complete
         else "There is no star yet.",
-        points=1,
     )

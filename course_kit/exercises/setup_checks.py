@@ -7,7 +7,7 @@ from typing import Any
 
 from course_kit.examining import paths
 from course_kit.examining.exercise import exercise
-from course_kit.examining.vocabulary import expect, expect_value
+from course_kit.examining.vocabulary import expect, expect_value, parts, require
 from course_kit.examining.vocabulary_student import expect_running_node, heard_since_start, logged_by
 from course_kit.turtlesim.field import EXTENT
 
@@ -24,7 +24,7 @@ GREETING = "Nice to meet you, "
 @exercise("setup-1", "Read the report", points=1, minutes=3, level="warm-up", timeout=5, value=True)
 def read_the_report(value: Any) -> None:
     """The number of the domain, and the word for the discovery range."""
-    domain, reach = value if isinstance(value, list) and len(value) == 2 else (value, None)
+    domain, reach = parts(value, 2)
     wanted = int(os.environ["ROS_DOMAIN_ID"])
     expect_value(
         "the domain",
@@ -39,7 +39,6 @@ def read_the_report(value: Any) -> None:
         reach,
         word,
         "It is one word in capitals: `os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE']` has it.",
-        points=1,
     )
 
 
@@ -51,7 +50,6 @@ def read_the_report(value: Any) -> None:
     level="warm-up",
     timeout=8,
     node_class="Greeter",
-    node="/greeter",
     watches=("/rosout",),
 )
 def greeter() -> None:
@@ -64,7 +62,7 @@ def greeter() -> None:
     if said and all(line.level != 20 for line in said):
         hint = "The text is right, the level is not INFO: INFO is `self.get_logger().info(…)`."
     has_name = any("your name" not in line.msg and line.level == 20 for line in said)
-    expect(f"it logged `{GREETING}…` with the level INFO", has_name, hint, points=1)
+    expect(f"it logged `{GREETING}…` with the level INFO", has_name, hint)
 
 
 @exercise(
@@ -80,7 +78,7 @@ def greeter() -> None:
 def corners() -> None:
     """Since it was started, the turtle has been near each of the four corners, and drove there."""
     poses = heard_since_start("/turtle1/pose")
-    expect(
+    require(
         "the checker saw the turtle drive",
         poses and paths.length(poses) > 1.0,
         "It saw no movement on `/turtle1/pose`. It looks on from the first check of this chapter on: "
@@ -93,14 +91,12 @@ def corners() -> None:
             max(distances) <= NEAR,
             f"It came within {distances[0]:.1f} m of the left one and {distances[1]:.1f} m of the right one; "
             f"{NEAR:g} m is near. `plot_pose(corners)` shows the path.",
-            points=1,
         )
     jump = paths.longest_jump(poses)
     expect(
         "it drove all the way",
         jump < FASTEST,
         f"It jumped {jump:.1f} m from one pose to the next: drive it with commands, do not teleport it.",
-        points=1,
     )
 
 
@@ -135,5 +131,4 @@ def two_robots(value: Any) -> None:
         f"The second drove {paths.length(second):.1f} m, the first {paths.length(first):.1f} m since it was started. "
         f"`%ros2 topic info {SECOND}/cmd_vel` shows who drives whom; the checker looks on from the chapter's first "
         f"check on.",
-        points=1,
     )

@@ -14,7 +14,15 @@ from turtlesim.msg import Pose
 from course_kit.examining import paths
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import a_turtle, answer, expect, expect_node, pause, wait, wait_for_attribute
+from course_kit.examining.vocabulary import (
+    a_turtle,
+    answer,
+    expect,
+    pause,
+    require,
+    wait,
+    wait_for_attribute,
+)
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_rate,
@@ -28,27 +36,17 @@ from course_kit.examining.vocabulary_topics import (
 )
 
 
-@exercise(
-    "topics-1",
-    "Count down",
-    points=2,
-    minutes=8,
-    level="warm-up",
-    timeout=15,
-    node_class="Countdown",
-    node="/countdown",
-)
+@exercise("topics-1", "Count down", points=2, minutes=8, level="warm-up", node_class="Countdown")
 def count_down() -> None:
     """It publishes 10, 9, … 0, five a second, from when somebody listens, and then no more."""
-    answer("Countdown")
-    expect_node("/countdown")
+    answer()
     expect_topic("/countdown", Int32)
     pause(0.5)  # nobody listens yet, so nothing may be counted
     heard = listen("/countdown", Int32)
     wait_until_quiet(heard, 1.2, timeout=6.0, at_most=14)
     counted = values(heard, "data")
-    expect("it counts 10, 9, … 0 and stops", counted == list(range(10, -1, -1)), _why_not_ten(counted), points=1)
-    expect_rate(heard, 5.0, within=0.1, points=1)
+    expect("it counts 10, 9, … 0 and stops", counted == list(range(10, -1, -1)), _why_not_ten(counted))
+    expect_rate(heard, 5.0, within=0.1)
 
 
 def _why_not_ten(counted: list[int]) -> str:
@@ -67,21 +65,11 @@ def _why_not_ten(counted: list[int]) -> str:
     return f"{heard} It should be 10, 9, … 0, each once."
 
 
-@exercise(
-    "topics-2",
-    "Why does nothing arrive?",
-    points=2,
-    minutes=8,
-    level="medium",
-    timeout=15,
-    node_class="ScanCounter",
-    node="/scan_counter",
-)
+@exercise("topics-2", "Why does nothing arrive?", points=2, minutes=8, level="medium", node_class="ScanCounter")
 def sensor_qos() -> None:
     """It hears a laser that publishes with the sensors' QoS, and counts its scans."""
     laser = publisher("/scan", LaserScan, qos_profile_sensor_data)
-    answer("ScanCounter")
-    expect_node("/scan_counter")
+    answer()
     expect_subscription("/scan", LaserScan)
     expect_compatible_subscription("/scan", laser, points=1)
     publish_steadily(laser, [LaserScan(ranges=[1.0, 2.0, 3.0])] * 20, period=0.02)
@@ -91,15 +79,13 @@ def sensor_qos() -> None:
         "it counts 20 scans in `self.count`",
         is_right,
         f"`self.count` is {count!r} after 20 scans: begin with 0 and add 1 in the callback, for each message.",
-        points=1,
     )
 
 
-@exercise("topics-3", "A relay", points=3, minutes=12, level="medium", timeout=15, node_class="Relay", node="/relay")
+@exercise("topics-3", "A relay", points=3, minutes=12, level="medium", node_class="Relay")
 def relay() -> None:
     """Of the poses on /turtle1/pose it publishes every tenth, unchanged, on /turtle1/pose_slow."""
-    answer("Relay")
-    expect_node("/relay")
+    answer()
     expect_subscription("/turtle1/pose", Pose)
     expect_topic("/turtle1/pose_slow", Pose)
     turtle = publisher("/turtle1/pose", Pose)
@@ -114,7 +100,6 @@ def relay() -> None:
         "what it publishes are poses that it got",
         count and all(1 <= n <= 160 for n in numbers) and all(theta == 0.5 for theta in values(slow, "theta")),
         "Nothing came on `/turtle1/pose_slow`." if not count else "Publish the message that the callback was given.",
-        points=1,
         needed=not count,
     )
     steps = sorted(after - before for before, after in pairwise(numbers))
@@ -124,27 +109,16 @@ def relay() -> None:
         step == 10 and 14 <= count <= 17,
         f"Of 160 poses {count} came, most of them {step} after the one before: count the calls of the callback, "
         f"and publish when the count divides by 10.",
-        points=1,
     )
-    expect_rate(slow, 6.25, within=0.15, points=1, hint="A tenth of 62.5 is 6.25.")
+    expect_rate(slow, 6.25, within=0.15, hint="A tenth of 62.5 is 6.25.")
 
 
-@exercise(
-    "topics-4",
-    "A figure of eight",
-    points=5,
-    minutes=30,
-    level="project",
-    timeout=75,
-    node_class="FigureEight",
-    node="/figure_eight",
-)
+@exercise("topics-4", "A figure of eight", points=5, minutes=30, level="project", timeout=75, node_class="FigureEight")
 def figure_of_eight() -> None:
     """The turtle drives two circles of the same size, one to the left and one to the right, and is back."""
     a_turtle()
     driven = listen("/turtle1/pose", Pose)
-    answer("FigureEight")
-    expect_node("/figure_eight")
+    answer()
     expect_topic("/turtle1/cmd_vel", Twist)
     poses = _drive_until_it_stands(driven)
     first, second = paths.two_loops(poses)
@@ -154,14 +128,12 @@ def figure_of_eight() -> None:
         abs(abs(first.turned) - circle) < tolerance,
         f"It turned by {_degrees(first.turned)} before it turned the other way, or to its end: "
         f"a circle takes 2π / angular.z seconds.",
-        points=1,
     )
     expect(
         "the second circle is a whole one, the other way round",
         abs(abs(second.turned) - circle) < tolerance and first.turned * second.turned < 0,
         f"After the first it turned by {_degrees(second.turned)}: "
         f"the second circle has the opposite sign of angular.z, and takes as long.",
-        points=1,
     )
     longer, shorter = max(first.length, second.length), min(first.length, second.length)
     expect(
@@ -169,7 +141,6 @@ def figure_of_eight() -> None:
         shorter > 0.85 * longer and shorter > 1.0,
         f"Their lengths are {first.length:.1f} m and {second.length:.1f} m: "
         f"the radius is linear.x / angular.z, and a wall cuts a circle short.",
-        points=1,
     )
     missing = paths.gap(poses)
     expect(
@@ -184,14 +155,14 @@ def figure_of_eight() -> None:
 def _drive_until_it_stands(driven: Heard) -> list[Pose]:
     """What was driven until the turtle stood still for a second."""
     began = wait(lambda: driven.messages and _moves(driven.last), timeout=10.0)
-    expect(
+    require(
         "the turtle moves",
         began,
         "It stands still after 10 s: does the node publish on `/turtle1/cmd_vel` again and again? "
         "`%ros2 topic echo /turtle1/cmd_vel` shows it.",
     )
     wait(lambda: _stands(driven) or _turned(driven) > 3 * math.tau, timeout=55.0, poll=0.1)
-    expect(
+    require(
         "it stops at the end",
         _stands(driven),
         f"It still moves after {len(driven) * 0.016:.0f} s: stop, and publish no more, when both circles are done.",

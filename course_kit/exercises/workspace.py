@@ -10,7 +10,7 @@ from std_msgs.msg import String
 from course_kit.examining import own_types
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import answer, expect, expect_node, pause, wait
+from course_kit.examining.vocabulary import answer, expect, pause, require, wait
 from course_kit.examining.vocabulary_services import Client, expect_service
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
@@ -39,13 +39,7 @@ RECHARGE = ("float32 percentage", "---", "bool accepted", "string reason")
 
 
 @exercise(
-    "workspace-1",
-    "A package of your own",
-    points=2,
-    minutes=8,
-    level="warm-up",
-    timeout=25,
-    file="greeter/package.xml",
+    "workspace-1", "A package of your own", points=2, minutes=8, level="warm-up", timeout=25, file="greeter/package.xml"
 )
 def greeter() -> None:
     """The package is built, and its program greets."""
@@ -56,19 +50,10 @@ def greeter() -> None:
         "`ros2 run greeter greet` says `Hi from greeter.` and ends with status 0",
         greet.status == 0 and greet.says("Hi from greeter."),
         f"{said(greet)}`--node-name greet` makes a program that says so; a line that you add must not take its place.",
-        points=1,
     )
 
 
-@exercise(
-    "workspace-2",
-    "Louder",
-    points=3,
-    minutes=12,
-    level="medium",
-    timeout=50,
-    file="greeter/greeter/loud.py",
-)
+@exercise("workspace-2", "Louder", points=3, minutes=12, level="medium", timeout=50, file="greeter/greeter/loud.py")
 def loud() -> None:
     """It says in capitals what it hears, with a mark that can be changed, and ends well."""
     expect_package("greeter", "ament_python")
@@ -83,7 +68,6 @@ def loud() -> None:
         heard == "GOOD MORNING!",
         f"To `good morning` it said {heard!r}. {said(first) if heard is None else ''}"
         "Publish `message.data.upper()` and the value of the parameter `mark`.",
-        points=1,
     )
     taken, why = set_parameter("/loud", "mark", "?!")
     heard = _say("and now")
@@ -92,7 +76,6 @@ def loud() -> None:
         taken and heard == "AND NOW?!",
         f"After `ros2 param set /loud mark ?!` it said {heard!r}. "
         + ("Read the parameter each time that you need it." if taken else f"It refused the value: {why}. Declare it."),
-        points=1,
     )
     first.stop()
     wait(lambda: first.status is not None, 3.0)
@@ -105,7 +88,6 @@ def loud() -> None:
         heard == "AGAIN…" and first.status == 0,
         f"Started with `--ros-args -p mark:=…` it said {heard!r}, and Ctrl-C ended it with status {first.status}: "
         f"give `args` to rclpy.init or leave them out, and catch KeyboardInterrupt, as spin.py does.",
-        points=1,
     )
 
 
@@ -123,13 +105,7 @@ def _say(words: str) -> str | None:
 
 
 @exercise(
-    "workspace-3",
-    "Two rooms",
-    points=3,
-    minutes=12,
-    level="medium",
-    timeout=75,
-    file="greeter/launch/rooms.launch.py",
+    "workspace-3", "Two rooms", points=3, minutes=12, level="medium", timeout=75, file="greeter/launch/rooms.launch.py"
 )
 def rooms() -> None:
     """A launch of two rooms with words of their own, and the attic hears the kitchen."""
@@ -149,14 +125,12 @@ def rooms() -> None:
         f"{_listed(said_here['/kitchen/chatter'])}, that of the attic {_listed(said_here['/attic/chatter'])}: "
         "DeclareLaunchArgument, and "
         'parameters=[{"words": LaunchConfiguration(…)}]. `%ros2 topic list` shows where they talk.',
-        points=1,
     )
     expect(
         "the attic's `loud` hears the kitchen",
         said_here["/attic/loud"] == {"SOUP"},
         f"On `/attic/loud` there was {_listed(said_here['/attic/loud'])}: its subscription `chatter` is to be remapped "
         f"to `/kitchen/chatter`, with a slash, or the name stays in the attic. `%ros2 node info /attic/loud` shows it.",
-        points=1,
     )
 
 
@@ -183,14 +157,13 @@ def _listed(words: set[str]) -> str:
 def battery() -> None:
     """The definitions are as asked; the node publishes one and serves the other."""
     expect_package("robot_interfaces", "ament_cmake")
-    right = expect_definition("robot_interfaces", "msg/Battery", BATTERY, points=1)
-    right &= expect_definition("robot_interfaces", "srv/Recharge", RECHARGE, points=1)
+    right = expect_definition("robot_interfaces", "msg/Battery", BATTERY)
+    right &= expect_definition("robot_interfaces", "srv/Recharge", RECHARGE)
     if not right:
-        expect("the node can be looked at", False, "Only with these types: put them right, build, restart the kernel.")
+        require("the node can be looked at", False, "Only with these types: put them right, build, restart the kernel.")
     battery_type = own_types.load("robot_interfaces/msg/Battery")
     recharge_type = own_types.load("robot_interfaces/srv/Recharge")
-    answer("Charger")
-    expect_node("/charger")
+    answer()
     expect_topic("/battery", battery_type)
     expect_service("/recharge", recharge_type)
     heard = listen("/battery", battery_type)
@@ -201,7 +174,6 @@ def battery() -> None:
         len(left) >= 4 and abs(rate(heard) - 1.0) < 0.15 and all(after < before for before, after in pairwise(left)),
         f"It had {[round(one, 1) for one in left]} in 6 s: a timer with a period of 1.0 s, and less than before in "
         f"`percentage` each time.",
-        points=1,
     )
     client = Client("/recharge", recharge_type)
     refused = client.ask(percentage=120.0).response
@@ -220,7 +192,6 @@ def battery() -> None:
         and 80.0 <= then[0] <= 90.0,
         f"To 120 % it answered {_shortly(refused)}, to 90 % {_shortly(accepted)}, and then the battery had "
         f"{then[0] if then else 'nothing'} %. What is refused has a reason, what is accepted has an effect.",
-        points=1,
     )
 
 

@@ -12,7 +12,7 @@ import yaml
 from turtlesim.msg import Pose
 
 from course_kit.examining import paths
-from course_kit.examining.examination import now
+from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import a_turtle, expect, wait
@@ -33,15 +33,7 @@ LAP = 1.15 * math.tau  # radians that the turtle turns on a lap, and more than i
 ROOMS = ("one", "two")
 
 
-@exercise(
-    "workspace-5",
-    "A patrol",
-    points=5,
-    minutes=40,
-    level="project",
-    timeout=150,
-    file="patrol/package.xml",
-)
+@exercise("workspace-5", "A patrol", points=5, minutes=40, level="project", timeout=150, file="patrol/package.xml")
 def patrol() -> None:
     """One turtle is driven in squares as the parameters say; two are by a launch, each with a file of its own."""
     expect_package("patrol", "ament_python")
@@ -57,7 +49,6 @@ def patrol() -> None:
         _is_square(lap, 1.0) and abs(_fastest(lap) - 1.0) < 0.15,
         f"{_described(lap)}, with up to {_fastest(lap):.1f} m/s: straight for `side` metres at `speed`, then a turn by "
         f"90°, again and again. `plot_pose` shows the path.",
-        points=1,
     )
     changed = [set_parameter("/patrol", name, 2.0) for name in ("side", "speed")]
     _lap(driven, 15.0, 0.3 * math.tau)  # the side on which it is may still be a short one
@@ -67,7 +58,6 @@ def patrol() -> None:
         all(taken for taken, _ in changed) and _is_square(lap, 2.0) and abs(_fastest(lap) - 2.0) < 0.3,
         f"After both were set to 2.0: {_described(lap)}, with up to {_fastest(lap):.1f} m/s. Declare both with "
         f"a default that is a float, and read them where they are used, not in __init__.",
-        points=1,
     )
     refused = [set_parameter("/patrol", "speed", value) for value in (0.0, -1.0)]
     speed = get_parameters("/patrol", "speed")[0]
@@ -76,10 +66,9 @@ def patrol() -> None:
         all(not taken and why for taken, why in refused) and speed == 2.0,
         f"After `ros2 param set /patrol speed` with 0.0 and -1.0 it is {speed}: a callback for "
         f"`add_on_set_parameters_callback` that returns SetParametersResult(successful=False, reason=…).",
-        points=1,
     )
     node.stop(2.0)
-    now().stage.tidy()
+    current().stage.tidy()
     _check_launch()
 
 
@@ -98,7 +87,6 @@ def _check_launch() -> None:
         min(metres()) > 0.5,
         f"In ten seconds they drove {metres()[0]:.1f} m and {metres()[1]:.1f} m. Names of topics without a slash "
         f"at the beginning follow the namespace: `%ros2 topic info /one/turtle1/cmd_vel` shows who is there.",
-        points=1,
     )
     found = {room: get_parameters(f"/{room}/patrol", "side", "speed") for room in ROOMS}
     wanted = {room: _from_file(room) for room in ROOMS}
@@ -108,7 +96,6 @@ def _check_launch() -> None:
         f"The nodes have [side, speed] {found['one']} and {found['two']}, config/one.yaml and config/two.yaml say "
         f"{wanted['one']} and {wanted['two']}, and they should differ. A file counts for the nodes that its first "
         f"line names: /**, or the whole name with the namespace.",
-        points=1,
     )
 
 

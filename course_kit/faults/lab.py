@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from course_kit.faults import all_faults, health, robots_manual
 from course_kit.faults.fault import PROGRAMS, Fault
 from course_kit.faults.system import System
-from course_kit.faults.told import Told, lines_of
+from course_kit.faults.told import Told
 from course_kit.node_logs import rosout
 from course_kit.polling import wait_until
 from course_kit.programs.child_process import Process
@@ -122,7 +122,7 @@ def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
         head = "The robot is well."
     else:
         head = "Repaired."
-    lines = [head, *lines_of(found)]
+    lines = [head, *map(str, found)]
     if is_well and _lab.fault is not None and not _lab.cause_found:
         lines.append("What was the cause? faults.answer('…')")
     return Told("\n".join(lines), is_well)

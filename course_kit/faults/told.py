@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from course_kit.examining.verdict import Finding, in_code, mark
+from course_kit.examining.verdict import in_code
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,3 @@ class Told:
     def _repr_html_(self) -> str:
         style = "white-space:pre-wrap;word-break:normal;margin:0"
         return f"<pre class='course-kit-faults' style='{style}'>{in_code(self.text)}</pre>"
-
-
-def lines_of(findings: list[Finding]) -> list[str]:
-    """Findings as a check shows them."""
-    lines = []
-    for one in findings:
-        lines.append(f"{mark(one.ok)} {one.text}")
-        if not one.ok:
-            lines.append(f"    {one.hint}")
-    return lines

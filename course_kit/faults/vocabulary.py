@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from course_kit.examining.examination import now
+from course_kit.examining.examination import current
 from course_kit.examining.vocabulary import expect, wait
 from course_kit.faults import health
 
@@ -13,7 +13,7 @@ POLL = 0.1
 
 def expect_well(points: int, timeout: float = 12.0) -> bool:
     """The robot of the student's domain is well for two seconds; each thing that is not is a finding of its own."""
-    found = health.look(now().student, timeout, partial(wait, what="the robot to be well", poll=POLL))
+    found = health.look(current().student, timeout, partial(wait, what="the robot to be well", poll=POLL))
     wrong = [one for one in found if not one.ok]
     hint = " ".join(f"Not so: {one.text}. {one.hint}" for one in wrong)
     return expect("the robot is well, seen from outside", not wrong, hint, points, needed=True)

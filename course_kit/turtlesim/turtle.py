@@ -21,7 +21,7 @@ def normalise(angle: float) -> float:
     return -math.pi if rest >= math.pi else rest
 
 
-class LogLine(NamedTuple):
+class TurtleLogLine(NamedTuple):
     """A line for the node's log: "info", "warn" or "error", and the text."""
 
     level: str
@@ -115,7 +115,7 @@ class Turtle:
             self.rotation.outcome = outcome
             self.rotation = None
 
-    def tick(self, now: int, ground: Field, log: list[LogLine]) -> Reading:
+    def tick(self, now: int, ground: Field, log: list[TurtleLogLine]) -> Reading:
         """Move for one tick and draw; append to `log` what is to be said."""
         for teleport in self.teleports:
             self._jump(teleport, ground)
@@ -143,13 +143,13 @@ class Turtle:
             self.x, self.depth, self.theta = to.x, max(0.0, EXTENT - to.y), to.theta
         self._draw(old, ground)
 
-    def _rotate(self, now: int, log: list[LogLine]) -> float | None:
+    def _rotate(self, now: int, log: list[TurtleLogLine]) -> float | None:
         """Turn towards the rotation's goal, or end it; return the radians still to turn."""
         rotation = self.rotation
         if rotation is None:
             return None
         if rotation.canceling:
-            log.append(LogLine("info", "Rotation goal canceled"))
+            log.append(TurtleLogLine("info", "Rotation goal canceled"))
             self.end_rotation(Outcome.CANCELED)
             self.stop()
             return None
@@ -158,7 +158,7 @@ class Turtle:
         rotation.delta = float32(normalise(float32(rotation.start - self.theta)))
         self.stop()
         if abs(remaining) < ARRIVED:
-            log.append(LogLine("info", "Rotation goal completed successfully"))
+            log.append(TurtleLogLine("info", "Rotation goal completed successfully"))
             self.end_rotation(Outcome.SUCCEEDED)
         else:
             self.turning = -ROTATION_SPEED if remaining < 0 else ROTATION_SPEED
@@ -171,11 +171,11 @@ class Turtle:
         self.x += (cosine * self.forward - sine * self.sideways) * TICK
         self.depth -= (sine * self.forward + cosine * self.sideways) * TICK
 
-    def _stay_inside(self, log: list[LogLine]) -> None:
+    def _stay_inside(self, log: list[TurtleLogLine]) -> None:
         if 0 <= self.x <= EXTENT and 0 <= self.depth <= EXTENT:
             return
         where = f"[x={self.x:f}, y={self.depth:f}]"
-        log.append(LogLine("warn", f"Oh no! I hit the wall! (Clamping from {where})"))
+        log.append(TurtleLogLine("warn", f"Oh no! I hit the wall! (Clamping from {where})"))
         self.x = min(max(self.x, 0.0), EXTENT)
         self.depth = min(max(self.depth, 0.0), EXTENT)
 

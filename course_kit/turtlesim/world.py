@@ -9,7 +9,7 @@ from typing import NamedTuple
 from PIL import Image
 
 from course_kit.turtlesim.field import EXTENT, MIDDLE, Color, Field, float32
-from course_kit.turtlesim.turtle import LogLine, Outcome, Pen, Reading, Rotation, Teleport, Turtle
+from course_kit.turtlesim.turtle import Outcome, Pen, Reading, Rotation, Teleport, Turtle, TurtleLogLine
 
 
 class Figure(NamedTuple):
@@ -38,14 +38,14 @@ class World:
     def __init__(self, now: int) -> None:
         self.turtles: dict[str, Turtle] = {}
         self._field = Field()
-        self._log: list[LogLine] = []
+        self._log: list[TurtleLogLine] = []
         self._started = False
         self._counter = 0  # of names given
         self._shells = 0  # of turtles made
         self._lock = threading.RLock()
         self.spawn("", MIDDLE, MIDDLE, 0.0, now)
 
-    def take_log(self) -> list[LogLine]:
+    def take_log(self) -> list[TurtleLogLine]:
         """The log lines since the last call."""
         with self._lock:
             lines, self._log = self._log, []
@@ -185,4 +185,4 @@ class World:
         return False
 
     def _say(self, level: str, text: str) -> None:
-        self._log.append(LogLine(level, text))
+        self._log.append(TurtleLogLine(level, text))

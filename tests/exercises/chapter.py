@@ -110,11 +110,11 @@ def chapter(name: str) -> Iterator[Chapter]:
             kernel.close()
 
 
-def judge(shown: str, points: int, of: int, hint: str) -> None:
+def judge(shown: str, points: int, max_points: int, hint: str) -> None:
     """What a check showed has these points, and the hint if there is one."""
-    word = "point" if of == 1 else "points"
+    word = "point" if max_points == 1 else "points"
     heading = shown.splitlines()[0]
-    assert heading.endswith(f": {points} of {of} {word}"), shown
+    assert heading.endswith(f": {points} of {max_points} {word}"), shown
     if hint:
         assert "✘" in shown, shown
         assert hint in shown, shown

@@ -13,9 +13,9 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from course_kit.examining import introduction
+from course_kit.examining.answer_host import AnswerHost
 from course_kit.examining.examination import Examination
 from course_kit.examining.introduction import introduce, meet
-from course_kit.examining.stage import Stage
 from course_kit.examining.station import Station
 from course_kit.examining.vocabulary_services import Client
 from course_kit.examining.vocabulary_topics import listen
@@ -60,18 +60,18 @@ class CountsItsMeetings(Node):
 
 
 @pytest.fixture
-def stage(examination: Examination) -> Iterator[Stage]:
-    with contextlib.closing(Stage(examination.stage.domain)) as stage:
-        yield stage
+def host(examination: Examination) -> Iterator[AnswerHost]:
+    with contextlib.closing(AnswerHost(examination.stage.domain)) as host:
+        yield host
 
 
 def served(station: Station, name: str) -> bool:
     return any(name in one.service_servers for one in station.offered())
 
 
-def test_a_server_is_asked_until_it_answers(stage: Stage, examination: Examination) -> None:
+def test_a_server_is_asked_until_it_answers(host: AnswerHost, examination: Examination) -> None:
     DropsTheFirst.requests = 0
-    stage.start(DropsTheFirst, [], threads=False)
+    host.start(DropsTheFirst, [], threads=False)
     assert introduce(examination.stage, "/known", Trigger)
     assert DropsTheFirst.requests == 2
 
@@ -83,16 +83,16 @@ def test_a_server_that_never_answers_is_given_up(examination: Examination, monke
 
 @pytest.mark.parametrize("parameters", [True, False])
 def test_a_node_with_or_without_parameter_services_answers_the_first_request(
-    stage: Stage, examination: Examination, parameters: bool
+    host: AnswerHost, examination: Examination, parameters: bool
 ) -> None:
-    stage.start(Lamp, [parameters], threads=False)
+    host.start(Lamp, [parameters], threads=False)
     wait_until(lambda: served(examination.stage, "/lamp"))
     assert Client("/lamp", SetBool).ask(data=True).response is not None
 
 
-def test_a_node_has_met_the_checker_before_it_is_asked_or_heard(stage: Stage, examination: Examination) -> None:
+def test_a_node_has_met_the_checker_before_it_is_asked_or_heard(host: AnswerHost, examination: Examination) -> None:
     CountsItsMeetings.meetings = 0
-    stage.start(CountsItsMeetings, [], threads=False)
+    host.start(CountsItsMeetings, [], threads=False)
     wait_until(lambda: served(examination.stage, "/lamp/get_parameter_types"))
     meet(examination.stage, "/another")
     assert CountsItsMeetings.meetings == 0

@@ -14,7 +14,7 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.examining.stage import Stage
+from course_kit.examining.answer_host import AnswerHost
 from course_kit.examining.station import KEPT, Heard, Station
 from tests.waiting import wait_until
 
@@ -42,10 +42,10 @@ def station(stage_domain: int) -> Iterator[Station]:
 
 
 def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(stage_domain: int, station: Station) -> None:
-    with contextlib.closing(Stage(stage_domain)) as stage:
+    with contextlib.closing(AnswerHost(stage_domain)) as host:
         with pytest.raises(NameError, match="ten") as raised:  # and not what its destroy_node() raises
-            stage.start(HalfMade, [], threads=False)
-        stage.start(Whole, [], threads=False)
+            host.start(HalfMade, [], threads=False)
+        host.start(Whole, [], threads=False)
         del raised
         gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
         assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]

@@ -29,7 +29,7 @@ HALF = Verdict(
     2,
     findings=(
         Finding("its node is `/countdown`", True),
-        Finding("counts", True, of=1),
+        Finding("counts", True, max_points=1),
         Finding("rate", False, "1 Hz", 1),
     ),
 )
@@ -162,7 +162,7 @@ def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_progress_keeps_the_best_and_nothing_of_what_is_not_begun(state: Path):
     progress.record(Verdict("topics-1", "", 2, NOT_BEGUN))
     assert progress.load() == {}
-    full = Verdict("topics-1", "", 2, findings=(Finding("all", True, of=2),))
+    full = Verdict("topics-1", "", 2, findings=(Finding("all", True, max_points=2),))
     for verdict in (HALF, full, HALF):
         progress.record(verdict)
     assert progress.load() == {"topics-1": 2}

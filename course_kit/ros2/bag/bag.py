@@ -62,13 +62,13 @@ def _message_sizes(path: str) -> dict[str, int]:
 
 
 def _reindex(args: Namespace, session: Session) -> None:
-    from course_kit.bags.recorder import LogLine
+    from course_kit.bags.recorder import BagLogLine
     from course_kit.bags.repair import reindex
     from course_kit.bags.storage import BagError
     from course_kit.ros2.bag.text import log_text
 
     def say(text: str) -> None:
-        session.warn(log_text(LogLine("INFO", "rosbag2_cpp", text, time.time_ns())))
+        session.warn(log_text(BagLogLine("INFO", "rosbag2_cpp", text, time.time_ns())))
 
     try:
         if not os.path.isdir(args.bag_path):

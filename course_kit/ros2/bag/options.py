@@ -16,7 +16,7 @@ from course_kit.ros2.verbs import CommandError
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
-    from course_kit.bags.recorder import LogLine
+    from course_kit.bags.recorder import BagLogLine
 
 STORAGES = ("mcap", "sqlite3")
 LEVELS = ("debug", "info", "warn", "error", "fatal")
@@ -106,7 +106,7 @@ def refuse_unsupported(args: Namespace, options: Mapping[str, Mapping[str, Any]]
             )
 
 
-def show(line: LogLine, session: Session, log_level: str) -> None:
+def show(line: BagLogLine, session: Session, log_level: str) -> None:
     """Write a log line to stderr, as ROS does; in a notebook it is a plain line of the cell's output."""
     from course_kit.ros2.bag.text import log_text
 

@@ -157,7 +157,7 @@ def _play(args: Namespace, session: Session) -> int:
 def _run(bag: OpenBag, options: PlayOptions, session: Session, keys: Any, has_keys: bool, log_level: str) -> int:
     """Play until the end, or until something ends it."""
     from course_kit.bags.player import NODE, Player
-    from course_kit.bags.recorder import LogLine
+    from course_kit.bags.recorder import BagLogLine
     from course_kit.watching import topics
 
     say = partial(show, session=session, log_level=log_level)
@@ -166,7 +166,7 @@ def _run(bag: OpenBag, options: PlayOptions, session: Session, keys: Any, has_ke
     except ValueError as error:
         raise CommandError(f"[ERROR] [ros2bag]: {error}") from None
     for text in KEY_LINES if has_keys else ():
-        say(LogLine("INFO", NODE, text, time.time_ns()))
+        say(BagLogLine("INFO", NODE, text, time.time_ns()))
 
     def tick() -> None:
         session.check_time()
@@ -179,7 +179,7 @@ def _run(bag: OpenBag, options: PlayOptions, session: Session, keys: Any, has_ke
         player.play(tick)
         return 0
     except (SystemExit, KeyboardInterrupt, DurationOver) as ending:
-        say(LogLine("INFO", NODE, "Stopping playback.", time.time_ns()))
+        say(BagLogLine("INFO", NODE, "Stopping playback.", time.time_ns()))
         if isinstance(ending, SystemExit):
             return 0
         raise

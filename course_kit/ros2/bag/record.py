@@ -133,7 +133,7 @@ def _record(args: Namespace, session: Session) -> int:
     refuse_unsupported(args, UNSUPPORTED)
     overrides = qos_overrides(args.qos_profile_overrides_path)
 
-    from course_kit.bags.recorder import LogLine, Recorder
+    from course_kit.bags.recorder import BagLogLine, Recorder
     from course_kit.bags.storage import BagError
     from course_kit.bags.writer import BagWriter
     from course_kit.ros2.bag.keys import Keys
@@ -158,7 +158,7 @@ def _record(args: Namespace, session: Session) -> int:
             is_paused=args.start_paused,
         )
         if not (session.in_notebook or args.disable_keyboard_controls):
-            recorder.log.put(LogLine("INFO", args.node_name, "Press SPACE for pausing/resuming", time.time_ns()))
+            recorder.log.put(BagLogLine("INFO", args.node_name, "Press SPACE for pausing/resuming", time.time_ns()))
         return _run(recorder, keys, session, args.log_level)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from course_kit.bags.files import BagInfo, BagTopic
-    from course_kit.bags.recorder import LogLine
+    from course_kit.bags.recorder import BagLogLine
 
 INDENT = " " * 19
 UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
@@ -20,7 +20,7 @@ SORTING: Mapping[str, Callable[[BagTopic], Any]] = {
 }
 
 
-def log_text(line: LogLine) -> str:
+def log_text(line: BagLogLine) -> str:
     """A line as rcl's console shows it."""
     seconds, nanoseconds = divmod(line.stamp, 10**9)
     return f"[{line.level}] [{seconds}.{nanoseconds:09}] [{line.logger}]: {line.text}"

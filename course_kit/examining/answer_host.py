@@ -46,7 +46,7 @@ class _OnStage(Node):
         super().__init__(node_name, **options)
 
 
-class Stage:
+class AnswerHost:
     """A context in a domain of its own, with at most one student's node."""
 
     def __init__(self, domain: int) -> None:
@@ -101,26 +101,26 @@ class Stage:
             self._context.try_shutdown()
 
 
-_stage: Stage | None = None
+_host: AnswerHost | None = None
 
 
 def close() -> None:
     """Close the stage, if there is one."""
-    global _stage
-    ending, _stage = _stage, None
+    global _host
+    ending, _host = _host, None
     if ending is not None:
         ending.close()
 
 
-def _on(domain: int) -> Stage:
-    global _stage
-    if _stage is None or _stage.domain != domain:
+def _on(domain: int) -> AnswerHost:
+    global _host
+    if _host is None or _host.domain != domain:
         close()
-        _stage = Stage(domain)
+        _host = AnswerHost(domain)
         # Registered after those of the context, so called before them.
         atexit.unregister(close)
         atexit.register(close)
-    return _stage
+    return _host
 
 
 def obey(order: Mapping[str, Any], names: Mapping[str, Any]) -> dict[str, Any]:
@@ -154,7 +154,7 @@ def _start(order: Mapping[str, Any], names: Mapping[str, Any]) -> None:
         raise TypeError(
             f"{order['node_class']} is not derived from rclpy.node.Node. Write: class {order['node_class']}(Node)"
         )
-    _on(order["domain"]).start(node_class, order.get("arguments", []), order.get("threads", False))
+    _on(order["domain"]).start(node_class, [], order["threads"])
 
 
 def _call(order: Mapping[str, Any], _: Mapping[str, Any]) -> Any:
