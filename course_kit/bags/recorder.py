@@ -27,6 +27,7 @@ from course_kit.ros_graph import graph
 from course_kit.spinning import context, errors
 from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
+from course_kit.watching.listening import close_all
 from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 
 if TYPE_CHECKING:
@@ -49,13 +50,6 @@ class BagLogLine(NamedTuple):
     stamp: int
 
 
-@dataclass
-class _Counts:
-    received: int = 0  # bytes, by the watching thread
-    written: int = 0  # bytes, by the writing thread
-    dropped: int = 0  # messages
-
-
 @dataclass(eq=False)
 class Recorder:
     """One recording, from start() to stop(); what it has to say comes out of `log`, a queue of BagLogLine."""
@@ -72,7 +66,9 @@ class Recorder:
     _subscriptions: dict[str, RawSubscription] = field(default_factory=dict)
     _queue: deque[tuple[str, int, bytes]] = field(default_factory=deque)
     _said: set[str] = field(default_factory=set)
-    _counts: _Counts = field(default_factory=_Counts)
+    _received: int = 0  # bytes, by the watching thread
+    _written: int = 0  # bytes, by the writing thread
+    dropped: int = 0  # messages that came while too much was waiting to be written
     _ending: threading.Event = field(default_factory=threading.Event)
     _last: threading.Event = field(default_factory=threading.Event)
     _threads: list[threading.Thread] = field(default_factory=list)
@@ -118,11 +114,6 @@ class Recorder:
         """Messages that the middleware could not deliver."""
         return sum(subscription.lost for subscription in self._subscriptions.values())
 
-    @property
-    def dropped(self) -> int:
-        """Messages that came while too much was waiting to be written."""
-        return self._counts.dropped
-
     def pause(self, is_paused: bool) -> None:
         """Ignore what comes from now on, or record again."""
         if self.is_paused != is_paused:
@@ -138,10 +129,7 @@ class Recorder:
         writing, *looking = self._threads
         for thread in looking:
             thread.join(5.0)
-        for subscription in self._subscriptions.values():
-            subscription.close(wait=False)
-        for subscription in self._subscriptions.values():
-            subscription.close()  # delivers what has arrived
+        close_all(self._subscriptions)  # delivers what has arrived
         self.pause(True)
         self._say("Writing remaining messages from cache to the bag. It may take a while", logger=CPP)
         self._last.set()
@@ -223,15 +211,15 @@ class Recorder:
         self._say(f"Subscribed to topic '{topic}'")
 
     def _receiver(self, topic: str) -> Callable[[bytes, dict[str, Any]], None]:
-        put, counts = self._queue.append, self._counts
+        put = self._queue.append
 
         def receive(data: bytes, info: dict[str, Any]) -> None:
             if self.is_paused:
                 return
-            if counts.received - counts.written > BACKLOG:
-                counts.dropped += 1
+            if self._received - self._written > BACKLOG:
+                self.dropped += 1
                 return
-            counts.received += len(data)
+            self._received += len(data)
             put((topic, info["received_timestamp"] or time.time_ns(), data))
 
         return receive
@@ -260,11 +248,11 @@ class Recorder:
             self._queue.clear()
 
     def _drain(self) -> None:
-        queue, counts, write = self._queue, self._counts, self.writer.write
+        queue, write = self._queue, self.writer.write
         while queue:
             topic, nanoseconds, data = queue.popleft()
             write(topic, nanoseconds, data)
-            counts.written += len(data)
+            self._written += len(data)
 
 
 _running: set[Recorder] = set()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -112,23 +113,18 @@ class Serialised:
             raise ValueError(f"there is a message of {self.sizes.min()} bytes: none at {offset} to {offset + width}")
         wanted = np.arange(offset, offset + width)
         parts: list[npt.NDArray[np.uint8]] = [np.empty((0, width), np.uint8)]
-        for chunk, start, stop in self._runs:
-            begins = np.zeros(stop - start, np.int64)
-            begins[0] = chunk.ends[start - 1] if start else 0
-            begins[1:] = chunk.ends[start : stop - 1]
+        for (chunk, start, stop), first in zip(self._runs, self._firsts, strict=False):
+            begins = chunk.ends[start:stop] - self.sizes[first : first + stop - start]
             parts.append(chunk.arena[begins[:, None] + wanted])
         return np.concatenate(parts)
 
 
+@dataclass(slots=True)
 class _Channel:
-    """What is kept of one topic."""
+    """What is kept of one topic, and how many messages of it came."""
 
-    __slots__ = ("appended", "chunks", "freed")
-
-    def __init__(self) -> None:
-        self.chunks: list[_Chunk] = []
-        self.appended = 0
-        self.freed = 0  # messages that went with their chunks
+    chunks: list[_Chunk] = field(default_factory=list)
+    appended: int = 0
 
 
 class MessageBuffer:
@@ -193,8 +189,7 @@ class MessageBuffer:
         if len(message) > arena_bytes:
             arena_bytes, messages = len(message), 1
         needed = arena_bytes + messages * INDEX_BYTES
-        if needed > self._max_bytes:
-            channel.freed += 1  # it would not fit even alone
+        if needed > self._max_bytes:  # it would not fit even alone
             return
         self._seal_last(channel)
         self._free_not_kept(channel)
@@ -226,9 +221,7 @@ class MessageBuffer:
         self._free_first(min(candidates, key=lambda c: c.chunks[0].receive_ns[c.chunks[0].count - 1]))
 
     def _free_first(self, channel: _Channel) -> None:
-        chunk = channel.chunks.pop(0)
-        channel.freed += chunk.count
-        self._nbytes -= chunk.nbytes
+        self._nbytes -= channel.chunks.pop(0).nbytes
 
     def snapshot(self, topic: str) -> Serialised:
         """The messages of a topic that are kept now."""

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-import weakref
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +15,8 @@ from course_kit.recordings.buffers import Int64s
 from course_kit.recordings.measure import WINDOW, ArrivalWindow, Reading, measure, spread
 from course_kit.text import table
 from course_kit.watching import instruments, topics
-from course_kit.watching.raw_subscriptions import RawSubscription
+from course_kit.watching.listening import Listening
+from course_kit.watching.raw_subscriptions import Callback
 
 UNSET = 1e7  # seconds: a message that is so old has a stamp of zero, or of a simulation's clock
 DELAY = 5  # the column of it in the table
@@ -77,42 +77,38 @@ def bandwidth_text(bytes_per_second: float) -> str:
     return f"{bytes_per_second:.0f} B/s"
 
 
-class RateMeter:
+class RateMeter(Listening):
     """Measures topics until it is stopped; `read()` at any time. Ends too when nobody holds it any more."""
 
     def __init__(self, wanted: dict[str, Any], window: int) -> None:
+        super().__init__()
         self._windows: dict[str, ArrivalWindow] = {}
         self._delays: dict[str, ArrivalWindow] = {}  # of topics with a stamp; nanoseconds in place of the sizes
         self._size = window
-        self._subscriptions: dict[str, RawSubscription] = {}
-        self._finalizer = weakref.finalize(self, _close, self._subscriptions)
-        self._finalizer.atexit = False
-        self._stop_ns: int | None = None
-        try:
-            for topic, message_type in wanted.items():
-                self.add(topic, message_type)
-        except BaseException:
-            self.stop()
-            raise
+        self._add_all(wanted)
 
     def add(self, topic: str, message_type: Any) -> None:
         """Measure one topic more from now on."""
-        window = ArrivalWindow(self._size)
-        delays = ArrivalWindow(self._size) if fields.is_stamped(message_type) else None
-        self._subscriptions[topic] = instruments.subscribe(topic, _receiver(window, delays), message_type)
-        self._windows[topic] = window
-        if delays is not None:
-            self._delays[topic] = delays
+        self._add(topic, message_type)
 
-    @property
-    def topics(self) -> list[str]:
-        """The measured topics, in the order in which they were named."""
-        return list(self._windows)
+    def _callback(self, topic: str, message_type: Any) -> Callback:
+        self._windows[topic] = ArrivalWindow(self._size)
+        append = self._windows[topic].appender()
 
-    @property
-    def is_running(self) -> bool:
-        """Whether it still measures: until stop(), or until ROS is shut down."""
-        return any(s.is_open for s in self._subscriptions.values())
+        def receive(message: bytes, info: dict[str, Any]) -> None:
+            append(info["received_timestamp"], len(message))
+
+        if not fields.is_stamped(message_type):
+            return receive
+        self._delays[topic] = ArrivalWindow(self._size)
+        append_delay = self._delays[topic].appender()
+
+        def receive_stamped(message: bytes, info: dict[str, Any]) -> None:
+            received = info["received_timestamp"]
+            append(received, len(message))
+            append_delay(received, received - fields.stamp_ns(message))
+
+        return receive_stamped
 
     def arrivals(self, topic: str) -> tuple[Int64s, Int64s, int]:
         """Receive times (nanoseconds since the epoch) and sizes (bytes) in the window, and how many came in all."""
@@ -123,29 +119,22 @@ class RateMeter:
         return Rates({topic: self._read_one(topic, last) for topic in self.topics})
 
     def _read_one(self, topic: str, last: float | None) -> Reading:
+        now_ns = self._now()
+        since = 0 if last is None else now_ns - int(last * 1e9)
         receive_ns, sizes, total = _in_order(self._windows[topic])
-        now_ns = self._stop_ns or time.time_ns()
-        first = 0 if last is None else int(np.searchsorted(receive_ns, now_ns - int(last * 1e9)))
+        first = int(np.searchsorted(receive_ns, since))
         reading = measure(receive_ns[first:], sizes[first:], total, now_ns)
         if first and first == len(receive_ns):  # nothing came lately, but the last message has its age
             reading = replace(reading, age=(now_ns - int(receive_ns[-1])) * 1e-9)
         if topic in self._delays:
             came_ns, delays, _ = _in_order(self._delays[topic])
-            start = 0 if last is None else int(np.searchsorted(came_ns, now_ns - int(last * 1e9)))
-            reading = replace(reading, delay=spread(delays[start:] * 1e-9))
+            reading = replace(reading, delay=spread(delays[np.searchsorted(came_ns, since) :] * 1e-9))
         return replace(reading, lost=self._subscriptions[topic].lost)
 
     def stop(self) -> Rates:
         """End measuring and return the last reading; safe to call twice."""
-        self._stop_ns = self._stop_ns or time.time_ns()
-        _close(self._subscriptions, wait=True)
+        self._end()
         return self.read()
-
-    def __enter__(self) -> RateMeter:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
 
     def __repr__(self) -> str:
         return f"Rate meter, {'running' if self.is_running else 'stopped'}\n{self.read()}"
@@ -156,26 +145,6 @@ def _in_order(window: ArrivalWindow) -> tuple[Int64s, Int64s, int]:
     receive_ns, others, total = window.arrivals()
     order = np.argsort(receive_ns, kind="stable")
     return receive_ns[order], others[order], total
-
-
-def _close(subscriptions: dict[str, RawSubscription], wait: bool = False) -> None:
-    for subscription in list(subscriptions.values()):
-        subscription.close(wait=wait)
-
-
-def _receiver(window: ArrivalWindow, delays: ArrivalWindow | None) -> Callable[[bytes, dict[str, Any]], None]:
-    append = window.appender()
-    append_delay = None if delays is None else delays.appender()
-
-    def receive(message: bytes, info: dict[str, Any]) -> None:
-        append(info["received_timestamp"], len(message))
-
-    def receive_stamped(message: bytes, info: dict[str, Any]) -> None:
-        received = info["received_timestamp"]
-        append(received, len(message))
-        append_delay(received, received - fields.stamp_ns(message))  # type: ignore[misc]
-
-    return receive if append_delay is None else receive_stamped
 
 
 def measure_rates(*wanted: Any, window: int = WINDOW, timeout: float = 10.0) -> RateMeter:

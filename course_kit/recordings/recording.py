@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import threading
 import time
-import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from course_kit.polling import wait_until
-from course_kit.recordings.buffers import Int64s, MessageBuffer
-from course_kit.recordings.topic_recording import Messages, TopicRecording, table
+from course_kit.recordings.buffers import MessageBuffer
+from course_kit.recordings.topic_recording import TopicRecording, table
 from course_kit.watching import instruments, topics
-from course_kit.watching.raw_subscriptions import RawSubscription
+from course_kit.watching.listening import Listening
+from course_kit.watching.raw_subscriptions import Callback
 
 MAX_BYTES = 1 << 30
 FIRST_MESSAGE = 1.0  # seconds given to publishers to find the recording before its seconds count
@@ -29,7 +28,12 @@ class RecordingTimeout(TimeoutError):  # noqa: N818  (reads as what happened)
         self.recording = recording
 
 
-class Recording:
+def _of_one(name: str, described: str) -> property:
+    """What a recording of one topic has, as the recording of that topic has it."""
+    return property(lambda recording: getattr(recording._only(name), name), doc=described)
+
+
+class Recording(Listening):
     """A recording of one or more topics: `recording['/topic']` is what one of them brought up to now.
 
     A recording of one topic can be read without naming it: len(), .times, .messages, .values('x') and so on. While it
@@ -37,32 +41,28 @@ class Recording:
     """
 
     def __init__(self, wanted: dict[str, Any], max_bytes: int, keep: int | None, count: int | None) -> None:
+        super().__init__()
         self._buffer = MessageBuffer(wanted, max_bytes, keep)
         self._complete = threading.Event()
-        self._subscriptions: dict[str, RawSubscription] = {}
-        # Nothing here may refer to self: a recording that nobody holds any more ends.
-        self._finalizer = weakref.finalize(self, _close, self._subscriptions)
-        self._finalizer.atexit = False
-        self._stop_ns: int | None = None
+        self._missing: dict[str, int | None] = dict.fromkeys(wanted, count)
         self.start_ns = time.time_ns()
-        missing: dict[str, int | None] = dict.fromkeys(wanted, count)
-        try:
-            for topic, message_type in wanted.items():
-                receive = _receiver(self._buffer, topic, missing, self._complete)
-                self._subscriptions[topic] = instruments.subscribe(topic, receive, message_type)
-        except BaseException:
-            self.stop()
-            raise
+        self._add_all(wanted)
 
-    @property
-    def topics(self) -> list[str]:
-        """The recorded topics, in the order in which they were named."""
-        return self._buffer.topics
+    def _callback(self, topic: str, message_type: Any) -> Callback:
+        append, missing, complete = self._buffer.appender(topic), self._missing, self._complete
 
-    @property
-    def is_running(self) -> bool:
-        """Whether messages are still recorded: until stop(), or until ROS is shut down."""
-        return any(s.is_open for s in self._subscriptions.values())
+        def receive(message: bytes, info: dict[str, Any]) -> None:
+            append(message, info["received_timestamp"])
+
+        def receive_until_complete(message: bytes, info: dict[str, Any]) -> None:
+            still = missing[topic]
+            if still:
+                append(message, info["received_timestamp"])
+                missing[topic] = still - 1
+                if not any(missing.values()):
+                    complete.set()
+
+        return receive if missing[topic] is None else receive_until_complete
 
     @property
     def dropped(self) -> int:
@@ -82,7 +82,7 @@ class Recording:
     @property
     def duration(self) -> float:
         """Seconds from the start to the end, or to now."""
-        return ((self._stop_ns or time.time_ns()) - self.start_ns) * 1e-9
+        return (self._now() - self.start_ns) * 1e-9
 
     def _start_with_first_message(self) -> None:
         """Let the time count from now, when all publishers deliver, or have had their time to begin."""
@@ -92,15 +92,8 @@ class Recording:
 
     def stop(self) -> Recording:
         """End the recording; what it has stays. Returns itself; safe to call twice."""
-        self._stop_ns = self._stop_ns or time.time_ns()
-        _close(self._subscriptions, wait=True)
+        self._end()
         return self
-
-    def __enter__(self) -> Recording:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
 
     def __getitem__(self, topic: str) -> TopicRecording:
         name = topics.absolute(topic)
@@ -130,59 +123,15 @@ class Recording:
             )
         return self[self.topics[0]]
 
-    @property
-    def type(self) -> str:
-        """The name of the message type, such as 'turtlesim/msg/Pose'."""
-        return self._only("type").type
-
-    @property
-    def receive_ns(self) -> Int64s:
-        """When each message came: nanoseconds since the epoch, shape (messages,)."""
-        return self._only("receive_ns").receive_ns
-
-    @property
-    def times(self) -> npt.NDArray[np.float64]:
-        """When each message came: seconds since the recording began, shape (messages,)."""
-        return self._only("times").times
-
-    @property
-    def stamps(self) -> npt.NDArray[np.float64] | None:
-        """The messages' own stamps in seconds, shape (messages,); None if the type has none."""
-        return self._only("stamps").stamps
-
-    @property
-    def messages(self) -> Messages:
-        """The messages themselves, read when they are asked for."""
-        return self._only("messages").messages
+    type = _of_one("type", "The name of the message type, such as 'turtlesim/msg/Pose'.")
+    receive_ns = _of_one("receive_ns", "When each message came: nanoseconds since the epoch, shape (messages,).")
+    times = _of_one("times", "When each message came: seconds since the recording began, shape (messages,).")
+    stamps = _of_one("stamps", "The messages' own stamps in seconds, shape (messages,); None if the type has none.")
+    messages = _of_one("messages", "The messages themselves, read when they are asked for.")
 
     def values(self, path: str) -> npt.NDArray[Any]:
         """A field of every message, such as 'linear.x', in the field's own unit, shape (messages, ...)."""
         return self._only(f"values({path!r})").values(path)
-
-
-def _close(subscriptions: dict[str, RawSubscription], wait: bool = False) -> None:
-    for subscription in list(subscriptions.values()):
-        subscription.close(wait=wait)
-
-
-def _receiver(
-    buffer: MessageBuffer, topic: str, missing: dict[str, int | None], complete: threading.Event
-) -> Callable[[bytes, dict[str, Any]], None]:
-    """The callback of one topic's subscription."""
-    append = buffer.appender(topic)
-
-    def receive(message: bytes, info: dict[str, Any]) -> None:
-        append(message, info["received_timestamp"])
-
-    def receive_until_complete(message: bytes, info: dict[str, Any]) -> None:
-        still = missing[topic]
-        if still:
-            append(message, info["received_timestamp"])
-            missing[topic] = still - 1
-            if not any(missing.values()):
-                complete.set()
-
-    return receive if missing[topic] is None else receive_until_complete
 
 
 def record(
