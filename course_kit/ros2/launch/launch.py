@@ -5,62 +5,19 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from course_kit.launching import stand_ins
 from course_kit.programs import packages
 from course_kit.ros2 import children
+from course_kit.ros2.completion import offering
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_flag, add_offered, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, flag, one_of
 
-if TYPE_CHECKING:
-    from course_kit.launching.entities import LaunchDescription
-
+FLAGS = ("noninteractive", "debug", "print", "show_args", "show_all_subprocesses_output")
 EXTENSIONS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
-
-
-def _arguments(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "-n",
-        "--noninteractive",
-        default=not sys.stdin.isatty(),
-        action="store_true",
-        help="Run the launch system non-interactively, with no terminal associated",
-    )
-    add_flag(parser, "-d --debug", "Put the launch system in debug mode, provides more verbose output.")
-    what = parser.add_mutually_exclusive_group()
-    add_flag(
-        what, "-p --print --print-description", "Print the launch description to the console without launching it."
-    )
-    add_flag(what, "-s --show-args --show-arguments", "Show arguments that may be given to the launch file.")
-    add_flag(
-        parser,
-        "-a --show-all-subprocesses-output",
-        "Show all launched subprocesses' output by overriding their output configuration using the "
-        "OVERRIDE_LAUNCH_PROCESS_OUTPUT envvar.",
-    )
-    parser.add_argument(
-        "--launch-prefix",
-        help="Prefix command, which should go before all executables. Command must be wrapped in quotes if it "
-        "contains spaces (e.g. --launch-prefix 'xterm -e gdb -ex run --args').",
-    )
-    parser.add_argument(
-        "--launch-prefix-filter",
-        help="Regex pattern for filtering which executables the --launch-prefix is applied to by matching the "
-        "executable name.",
-    )
-    add_duration_argument(parser)
-    add_offered(
-        parser, "package_name", _offer_packages_and_files, "Name of the ROS package which contains the launch file"
-    )
-    add_offered(parser, "launch_file_name", _offer_launch_files, "Name of the launch file", nargs="?")
-    parser.add_argument(
-        "launch_arguments",
-        nargs="*",
-        help="Arguments to the launch file; '<name>:=<value>' (for duplicates, last one wins)",
-    )
 
 
 def _offer_packages_and_files(prefix: str, **_: Any) -> list[str]:
@@ -74,9 +31,9 @@ def _offer_packages_and_files(prefix: str, **_: Any) -> list[str]:
     return [name for name in [*packages.package_names(), *sorted(paths)] if name.startswith(prefix)]
 
 
-def _offer_launch_files(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
-    names = [os.path.basename(path) for path in _files(_share(parsed_args.package_name) or "")]
-    return sorted(name for name in names if name.startswith(prefix) and name.endswith(EXTENSIONS))
+def _launch_files(package: str) -> list[str]:
+    """The names of the launch files of a package, sorted; none if there is no such package."""
+    return sorted(name for name in map(os.path.basename, _files(_share(package) or "")) if name.endswith(EXTENSIONS))
 
 
 def _run(args: Namespace, session: Session) -> int:
@@ -105,19 +62,11 @@ def _run(args: Namespace, session: Session) -> int:
 
 def words(args: Namespace) -> list[str]:
     """The command line that these arguments came from, without --duration."""
-    options = {
-        "--noninteractive": args.noninteractive,
-        "--debug": args.debug,
-        "--print": args.print,
-        "--show-args": args.show_args,
-        "--show-all-subprocesses-output": args.show_all_subprocesses_output,
-    }
-    found = [name for name, is_on in options.items() if is_on]
-    for name, value in (
-        ("--launch-prefix", args.launch_prefix),
-        ("--launch-prefix-filter", args.launch_prefix_filter),
-    ):
-        found += [] if value is None else [f"{name}={value}"]
+    found = []
+    for name in (*FLAGS, "launch_prefix", "launch_prefix_filter"):
+        option, value = f"--{name.replace('_', '-')}", getattr(args, name)
+        if value not in (None, False):
+            found.append(option if value is True else f"{option}={value}")
     named = [args.package_name, args.launch_file_name, *args.launch_arguments]
     return [*found, *(name for name in named if name is not None)]
 
@@ -151,7 +100,7 @@ def find_launch_file(args: Namespace) -> tuple[str, list[str]]:
     if not found:
         raise CommandError(
             f"file '{file_name}' was not found in the share directory of package '{name}' which is at '{share}'",
-            did_you_mean(file_name, [os.path.basename(p) for p in _files(share) if p.endswith(EXTENSIONS)]),
+            did_you_mean(file_name, _launch_files(name)),
         )
     if len(found) > 1:
         paths = ", ".join(f"'{path}'" for path in found)
@@ -169,9 +118,7 @@ def _share(name: str) -> str | None:
 
 def _file_hint(name: str, is_package: bool) -> str | None:
     if is_package:
-        share = _share(name) or ""
-        names = sorted(os.path.basename(p) for p in _files(share) if p.endswith(EXTENSIONS))
-        return f"{name} has: {', '.join(names)}" if names else f"{name} has no launch files"
+        return f"{name} has: {', '.join(_launch_files(name))}" if _launch_files(name) else f"{name} has no launch files"
     folder = os.path.dirname(name) or "."
     names = sorted(os.listdir(folder)) if os.path.isdir(folder) else []
     return did_you_mean(os.path.basename(name), [n for n in names if n.endswith((".py", ".xml", ".yaml"))])
@@ -184,29 +131,23 @@ def _files(folder: str) -> list[str]:
 def parse_arguments(given: list[str]) -> dict[str, str]:
     """Values by name; of two for the same name the last one. CommandError for what is not name:=value."""
     values: dict[str, str] = {}
-    for argument in given:
-        name, sign, value = argument.partition(":=")
+    for word in given:
+        name, sign, value = word.partition(":=")
         if not sign or not name or not value:
-            raise CommandError(f"malformed launch argument '{argument}', expected format '<name>:=<value>'")
+            raise CommandError(f"malformed launch argument '{word}', expected format '<name>:=<value>'")
         values[name] = value
     return values
 
 
 def _describe(path: str, args: Namespace, session: Session) -> None:
-    from course_kit.launching import describing
-
-    description = _load(path)
-    text = describing.description_text if args.print else describing.arguments_text
-    session.print(text(description))
-
-
-def _load(path: str) -> LaunchDescription:
+    from course_kit.launching.describing import arguments_text, description_text
     from course_kit.launching.include import load_launch_file
 
     try:
-        return load_launch_file(path)
+        description = load_launch_file(path)
     except (Exception, SystemExit) as error:
         raise CommandError(str(error)) from None
+    session.print(description_text(description) if args.print else arguments_text(description))
 
 
 def _launch(path: str, values: dict[str, str], argv: list[str], args: Namespace) -> int:
@@ -214,10 +155,32 @@ def _launch(path: str, values: dict[str, str], argv: list[str], args: Namespace)
     from course_kit.launching.include import AnyLaunchDescriptionSource, IncludeLaunchDescription
     from course_kit.launching.service import LaunchService
 
-    service = LaunchService(argv=argv, noninteractive=args.noninteractive, debug=args.debug)
+    noninteractive = args.noninteractive or not sys.stdin.isatty()
+    service = LaunchService(argv=argv, noninteractive=noninteractive, debug=args.debug)
     include = IncludeLaunchDescription(AnyLaunchDescriptionSource(path), launch_arguments=values.items())
     service.include_launch_description(LaunchDescription([include]))
     return service.run()
 
 
-COMMAND = Verb("Run a launch file", _run, _arguments)
+COMMAND = Verb(
+    "start what a launch file describes",
+    _run,
+    flag("-n --noninteractive", "there is no terminal: send SIGINT to all processes at the end"),
+    flag("-d --debug", "show debug messages of the launch too"),
+    one_of(
+        flag("-p --print --print-description", "only print what the launch file describes"),
+        flag("-s --show-args --show-arguments", "only print the arguments of the launch file"),
+    ),
+    flag("-a --show-all-subprocesses-output", "show what all processes write, whatever the launch file says"),
+    argument("--launch-prefix", "words that go before all commands, in quotes, such as 'xterm -e gdb -ex run --args'"),
+    argument("--launch-prefix-filter", "only before executables whose name this regular expression matches"),
+    duration,
+    argument("package_name", "the package of the launch file, or its path", _offer_packages_and_files),
+    argument(
+        "launch_file_name",
+        "the name of the launch file",
+        offering(lambda args: _launch_files(args.package_name)),
+        nargs="?",
+    ),
+    argument("launch_arguments", "arguments of the launch file, as <name>:=<value>", nargs="*"),
+)

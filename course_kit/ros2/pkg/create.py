@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -71,22 +70,6 @@ def _templates() -> Environment:
     return environment
 
 
-class Step(NamedTuple):
-    """A line to print, and the folder (no content) or file that is made then, if any."""
-
-    line: str
-    path: str = ""
-    content: str | None = None
-
-    def take(self) -> None:
-        """Make what the step is about."""
-        if self.content is not None:
-            with open(self.path, "w", encoding="utf-8") as file:
-                file.write(self.content)
-        elif self.path:
-            os.makedirs(self.path, exist_ok=True)
-
-
 def description(package: Package, destination: str) -> list[str]:
     """The lines that say what is going to be made, and where."""
     lines = [
@@ -105,59 +88,51 @@ def description(package: Package, destination: str) -> list[str]:
     return lines + ([f"library_name: {package.library}"] if package.library else [])
 
 
-def steps(package: Package, destination: str) -> Iterator[Step]:
-    """Everything that has to be made, in order."""
-    root = os.path.join(destination, package.name)
-    yield _folder(root)
-    yield _file(os.path.join(root, "package.xml"), package.filled("package.xml"))
+def make(package: Package, destination: str, say: Callable[[str], None]) -> None:
+    """Make everything, in the real command's order; `say` gets the line that announces each folder and file."""
+    name, node, library = package.name, package.node, package.library
+    root = os.path.join(destination, name)
+
+    def folder(*path: str) -> None:
+        say(f"creating folder {os.path.join(root, *path)}")
+        os.makedirs(os.path.join(root, *path), exist_ok=True)
+
+    def file(path: str, template: str = "") -> None:
+        say(f"creating {os.path.join(root, path)}")
+        Path(root, path).write_text(package.filled(template) if template else "", encoding="utf-8")
+
+    folder()
+    file("package.xml", "package.xml")
     if package.build_type == "ament_python":
-        yield from _python_steps(package, root)
+        say("creating source folder")
+        folder(name)
+        for setup in ("setup.py", "setup.cfg"):
+            file(setup, f"ament_python/{setup}")
+        folder("resource")
+        file(f"resource/{name}")
+        file(f"{name}/__init__.py")
+        folder("test")
+        for test in ("test_copyright.py", "test_flake8.py", "test_pep257.py"):
+            file(f"test/{test}", f"ament_python/{test}")
+        if node:
+            file(f"{name}/{node}.py", "ament_python/node.py")
+        if library:
+            folder(name, library)
+            file(f"{name}/{library}/__init__.py")
     else:
-        yield from _cmake_steps(package, root)
-
-
-def _folder(path: str) -> Step:
-    return Step(f"creating folder {path}", path)
-
-
-def _file(path: str, content: str) -> Step:
-    return Step(f"creating {path}", path, content)
-
-
-def _python_steps(package: Package, root: str) -> Iterator[Step]:
-    source, resource, test = (os.path.join(root, name) for name in (package.name, "resource", "test"))
-    yield Step("creating source folder")
-    yield _folder(source)
-    for name in ("setup.py", "setup.cfg"):
-        yield _file(os.path.join(root, name), package.filled(f"ament_python/{name}"))
-    yield _folder(resource)
-    yield _file(os.path.join(resource, package.name), "")
-    yield _file(os.path.join(source, "__init__.py"), "")
-    yield _folder(test)
-    for name in ("test_copyright.py", "test_flake8.py", "test_pep257.py"):
-        yield _file(os.path.join(test, name), package.filled(f"ament_python/{name}"))
-    if package.node:
-        yield _file(os.path.join(source, f"{package.node}.py"), package.filled("ament_python/node.py"))
-    if package.library:
-        yield _folder(os.path.join(source, package.library))
-        yield _file(os.path.join(source, package.library, "__init__.py"), "")
-
-
-def _cmake_steps(package: Package, root: str) -> Iterator[Step]:
-    source, include = os.path.join(root, "src"), os.path.join(root, "include", package.name)
-    yield Step("creating source and include folder")
-    yield _folder(source)
-    yield _folder(include)
-    yield _file(os.path.join(root, "CMakeLists.txt"), package.filled(f"{package.build_type}/CMakeLists.txt"))
-    if package.build_type == "cmake":
-        for name in ("Config.cmake.in", "ConfigVersion.cmake.in"):
-            yield _file(os.path.join(root, package.name + name), package.filled(f"cmake/{name}"))
-    if package.node:
-        yield _file(os.path.join(source, f"{package.node}.cpp"), package.filled("cpp/node.cpp"))
-    if package.library:
-        yield _file(os.path.join(include, f"{package.library}.hpp"), package.filled("cpp/library.hpp"))
-        yield _file(os.path.join(source, f"{package.library}.cpp"), package.filled("cpp/library.cpp"))
-        yield _file(os.path.join(include, "visibility_control.h"), package.filled("cpp/visibility_control.h"))
+        say("creating source and include folder")
+        folder("src")
+        folder("include", name)
+        file("CMakeLists.txt", f"{package.build_type}/CMakeLists.txt")
+        if package.build_type == "cmake":
+            for config in ("Config.cmake.in", "ConfigVersion.cmake.in"):
+                file(f"{name}{config}", f"cmake/{config}")
+        if node:
+            file(f"src/{node}.cpp", "cpp/node.cpp")
+        if library:
+            file(f"include/{name}/{library}.hpp", "cpp/library.hpp")
+            file(f"src/{library}.cpp", "cpp/library.cpp")
+            file(f"include/{name}/visibility_control.h", "cpp/visibility_control.h")
 
 
 def license_text(name: str) -> str | None:

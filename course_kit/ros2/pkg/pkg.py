@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import os
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from course_kit.programs import packages
 from course_kit.ros2.completion import package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, flag
 
 NOT_FOUND = "Package not found"
-
-
-def _package_argument(parser: ArgumentParser, nargs: str | None = None) -> None:
-    add_offered(parser, "package_name", package_names, "The package name", nargs=nargs)
+NAME = argument("package_name", "the package", package_names)
 
 
 def _found(look: Callable[[str], Any], name: str, message: str = NOT_FOUND) -> Any:
@@ -32,19 +30,9 @@ def _list(args: Namespace, session: Session) -> None:
         session.print(name)
 
 
-def _prefix_arguments(parser: ArgumentParser) -> None:
-    _package_argument(parser)
-    add_flag(parser, "--share", "Show share directory for the package")
-
-
 def _prefix(args: Namespace, session: Session) -> None:
     look = packages.share_directory if args.share else packages.package_prefix
     session.print(_found(look, args.package_name))
-
-
-def _executables_arguments(parser: ArgumentParser) -> None:
-    _package_argument(parser, nargs="?")
-    add_flag(parser, "--full-path", "Show full path of each executable")
 
 
 def _executables(args: Namespace, session: Session) -> None:
@@ -52,11 +40,6 @@ def _executables(args: Namespace, session: Session) -> None:
     for name in packages.package_names() if wanted is None else [wanted]:
         for path in sorted(_found(packages.executables, name, f"Package '{name}' not found"), key=str):
             session.print(str(path) if args.full_path else f"{name} {path.name}")
-
-
-def _xml_arguments(parser: ArgumentParser) -> None:
-    _package_argument(parser)
-    parser.add_argument("-t", "--tag", help="The XML tag to output, e.g. version")
 
 
 def _xml(args: Namespace, session: Session) -> None:
@@ -79,41 +62,6 @@ def _xml(args: Namespace, session: Session) -> None:
         session.print(str(element.text))
 
 
-def _create_arguments(parser: ArgumentParser) -> None:
-    parser.add_argument("package_name", help="The package name")
-    parser.add_argument(
-        "--package-format",
-        "--package_format",
-        type=int,
-        default=3,
-        choices=[2, 3],
-        help="The package.xml format.",
-    )
-    parser.add_argument(
-        "--description", default="TODO: Package description", help="The description given in the package.xml"
-    )
-    parser.add_argument(
-        "--license",
-        default="TODO: License declaration",
-        help="The license attached to this package; this can be an arbitrary string, but a LICENSE file will only be "
-        "generated if it is one of the supported licenses (pass '?' to get a list)",
-    )
-    parser.add_argument(
-        "--destination-directory", default=os.curdir, help="Directory where to create the package directory"
-    )
-    parser.add_argument(
-        "--build-type",
-        default="ament_cmake",
-        choices=["cmake", "ament_cmake", "ament_python"],
-        help="The build type to process the package with",
-    )
-    parser.add_argument("--dependencies", nargs="+", default=[], help="list of dependencies")
-    parser.add_argument("--maintainer-email", help="email address of the maintainer of this package")
-    parser.add_argument("--maintainer-name", help="name of the maintainer of this package")
-    parser.add_argument("--node-name", help="name of the empty executable")
-    parser.add_argument("--library-name", help="name of the empty library")
-
-
 def _create(args: Namespace, session: Session) -> None:
     from course_kit.ros2.pkg import create
 
@@ -130,14 +78,12 @@ def _create(args: Namespace, session: Session) -> None:
     for line in create.description(package, args.destination_directory):
         session.print(line)
     try:
-        for step in create.steps(package, args.destination_directory):
-            session.print(step.line)
-            step.take()
+        create.make(package, args.destination_directory, session.print)
         text = create.license_text(package.license)
         if text is None:
             session.print(create.license_warning(package.license))
         else:
-            create.Step("", os.path.join(path, "LICENSE"), text).take()
+            Path(path, "LICENSE").write_text(text, encoding="utf-8")
     except OSError as error:
         raise CommandError(f"unable to create {error.filename}: {error.strerror}") from None
 
@@ -199,9 +145,36 @@ def _email() -> str:
 
 
 VERBS = {
-    "create": Verb("Create a new ROS 2 package", _create, _create_arguments),
-    "executables": Verb("Output a list of package specific executables", _executables, _executables_arguments),
-    "list": Verb("Output a list of available packages", _list),
-    "prefix": Verb("Output the prefix path of a package", _prefix, _prefix_arguments),
-    "xml": Verb("Output the XML of the package manifest or a specific tag", _xml, _xml_arguments),
+    "create": Verb(
+        "make the folders and files of a new package",
+        _create,
+        argument("package_name", "the name of the package"),
+        argument("--package-format --package_format", "of package.xml", type=int, default=3, choices=[2, 3]),
+        argument("--description", "for package.xml", default="TODO: Package description"),
+        argument(
+            "--license",
+            "any text; if it names a license that is known, LICENSE is made too (? for a list)",
+            default="TODO: License declaration",
+        ),
+        argument("--destination-directory", "the folder for the package's own folder", default=os.curdir),
+        argument(
+            "--build-type", "how it is built", default="ament_cmake", choices=["cmake", "ament_cmake", "ament_python"]
+        ),
+        argument("--dependencies", "packages that it needs", nargs="+", default=[]),
+        argument("--maintainer-email", "the maintainer's address"),
+        argument("--maintainer-name", "the maintainer's name"),
+        argument("--node-name", "make an executable of that name"),
+        argument("--library-name", "make a library of that name"),
+    ),
+    "executables": Verb(
+        "list the executables of all packages, or of one",
+        _executables,
+        argument("package_name", "the package", package_names, nargs="?"),
+        flag("--full-path", "with their paths"),
+    ),
+    "list": Verb("list the packages that are there", _list),
+    "prefix": Verb("show where a package is installed", _prefix, NAME, flag("--share", "its share directory")),
+    "xml": Verb(
+        "show the manifest of a package", _xml, NAME, argument("-t --tag", "only this element of it, such as version")
+    ),
 }

@@ -2,35 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import signal
-from argparse import REMAINDER, ArgumentParser, Namespace
+from argparse import REMAINDER, Namespace
 from pathlib import Path
 
 from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.completion import offering, package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument, add_offered, did_you_mean
-
-
-def _arguments(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "--prefix",
-        help="Prefix command, which should go before the executable. Command must be wrapped in quotes if it "
-        "contains spaces (e.g. --prefix 'gdb -ex run --args').",
-    )
-    add_duration_argument(parser)
-    add_offered(parser, "package_name", package_names, "Name of the ROS package")
-    add_offered(parser, "executable_name", offering(_executables), "Name of the executable")
-    parser.add_argument("argv", nargs=REMAINDER, help="Pass arbitrary arguments to the executable")
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration
 
 
 def _executables(args: Namespace) -> list[str]:
-    try:
+    with contextlib.suppress(LookupError):
         return [path.name for path in packages.executables(args.package_name)]
-    except LookupError:
-        return []
+    return []
 
 
 def executable(package: str, name: str) -> Path:
@@ -71,4 +59,12 @@ def _run(args: Namespace, session: Session) -> int:
     return status
 
 
-COMMAND = Verb("Run a package specific executable", _run, _arguments)
+COMMAND = Verb(
+    "start an executable of a package",
+    _run,
+    argument("--prefix", "words that go before the executable, in quotes, such as 'gdb -ex run --args'"),
+    duration,
+    argument("package_name", "the package", package_names),
+    argument("executable_name", "the executable", offering(_executables)),
+    argument("argv", "arguments of the executable", nargs=REMAINDER),
+)
