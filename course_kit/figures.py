@@ -12,6 +12,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 # Colours that stay apart for colour-blind readers (Okabe and Ito), those with most contrast first.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 PAPER, PANEL, INK, FAINT, LINES = "#f6f6f3", "#ffffff", "#1b1b1b", "#565656", "#deded9"
+# Where a legend stands above its axes.
+ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 3, "borderaxespad": 0.2}
 SCREEN_DPI, PICTURE_DPI = 88, 176  # shown at the first, drawn at the second: sharp on any screen
 
 
@@ -45,6 +47,14 @@ def style(axes: Axes, xlabel: str = "", ylabel: str = "", title: str = "") -> Ax
     axes.set_ylabel(ylabel, color=INK, fontsize=10)
     axes.set_title(title, color=INK, fontsize=10, loc="left")
     return axes
+
+
+def widen(axes: Axes, span: float) -> None:
+    """Widen the y axis to this at least, so that the last digit of a constant does not look like an event."""
+    low, high = axes.get_ylim()
+    if high - low < span:
+        middle = (low + high) / 2
+        axes.set_ylim(middle - span / 2, middle + span / 2)
 
 
 def legend(axes: Axes, **where: Any) -> None:

@@ -1,4 +1,4 @@
-"""Tables as text, and the line with which what is shown over time says that it failed."""
+"""Tables as text, names told apart, and the line with which what is shown over time says that it failed."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ def table(rows: Sequence[Sequence[str]], left: int = 1) -> str:
         cells = [c.ljust(w) if n < left else c.rjust(w) for n, (c, w) in enumerate(zip(row, widths, strict=True))]
         lines.append("  ".join(cells).rstrip())
     return "\n".join(lines)
+
+
+def numbered(names: Sequence[str]) -> list[str]:
+    """Names, of which those that occur twice are numbered."""
+    return [f"{n} ({names[: i + 1].count(n)})" if names.count(n) > 1 else n for i, n in enumerate(names)]
 
 
 def stands_still(what: str, error: Exception) -> str:

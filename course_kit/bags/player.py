@@ -20,6 +20,7 @@ from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
 from course_kit.bags.recorder import BagLogLine
 from course_kit.bags.selection import Selection
+from course_kit.polling import wait_until
 from course_kit.spinning import context
 from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
@@ -163,19 +164,13 @@ class Player:
         while True:
             if self.options.delay > 0:
                 self._say(f"Sleep {int(self.options.delay * 1e9)} ns")
-                self._sleep(self.options.delay, tick)
+                wait_until(tick, self.options.delay, SLICE)
             self._play_once(tick, stop_at)
             if not self.options.loop:
                 break
             tick()
         for publisher in self.publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=1))
-
-    def _sleep(self, seconds: float, tick: Callable[[], None]) -> None:
-        end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
-            tick()
-            time.sleep(min(left, SLICE))
 
     def _play_once(self, tick: Callable[[], None], stop_at: int | None) -> None:
         connections = [c for c in self.bag.connections if c.topic in self.publishers]

@@ -177,6 +177,4 @@ def _published(timeout: float) -> list[str]:
 
 def published_now() -> list[str]:
     """The topics that some node publishes, without those that every node has."""
-    node = instruments.node()
-    there = [name for name, _ in node.get_topic_names_and_types()]
-    return [n for n in there if n not in ("/rosout", "/parameter_events") and node.count_publishers(n)]
+    return topics.published(instruments.node())

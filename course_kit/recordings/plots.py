@@ -9,18 +9,18 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from course_kit.figures import COLOURS, FAINT, PANEL, PAPER, Plot, legend, style
+from course_kit.figures import ABOVE, COLOURS, FAINT, PANEL, Plot, legend, style, widen
 from course_kit.recordings.measure import Int64s, rate_over_time
 from course_kit.recordings.meters import RateMeter
 from course_kit.recordings.recording import Recording
 from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.recordings.tracks import READERS, Track, track
+from course_kit.text import numbered
 from course_kit.turtlesim.field import EXTENT
 
 TURTLE = "turtlesim/msg/Pose"
 ARROWS = 14  # along a path
 START: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": PANEL, "markeredgewidth": 2, "zorder": 4}
-ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "ncols": 3, "borderaxespad": 0.2}
 END: dict[str, Any] = {"marker": "s", "markersize": 8, "markeredgecolor": PANEL, "zorder": 5}
 
 
@@ -34,8 +34,6 @@ def plot_pose(recorded: Recording | TopicRecording, title: str | None = None) ->
     tracks = {one.topic: track(one.messages, one.type, one.times, one.stamps) for one in with_pose}
     plot = Plot(10.4, 5.2, title or ", ".join(tracks))
     left, right = plot.subfigures(1, 2, width_ratios=(1.05, 1.0))
-    left.set_facecolor(PAPER)
-    right.set_facecolor(PAPER)
     field = style(left.subplots(), "x [m]", "y [m]")
     heading, linear, angular = right.subplots(3, 1, sharex=True)
     style(heading, ylabel="heading [rad]")
@@ -52,7 +50,7 @@ def plot_pose(recorded: Recording | TopicRecording, title: str | None = None) ->
     heading.set_ylim(-np.pi * 1.1, np.pi * 1.1)
     heading.set_yticks([-np.pi, -np.pi / 2, 0, np.pi / 2, np.pi], ["\u2212π", "\u2212π/2", "0", "π/2", "π"])
     for axes in (linear, angular):
-        _not_narrower_than(axes, 0.5)
+        widen(axes, 0.5)
     right.align_ylabels()
     if any(one.type == TURTLE for one in with_pose):
         _draw_turtle_field(field)
@@ -111,14 +109,6 @@ def _draw_turtle_field(axes: Axes) -> None:
     axes.set_aspect("equal")
 
 
-def _not_narrower_than(axes: Axes, span: float) -> None:
-    """Widen the y axis, so that the last digit of a constant does not look like an event."""
-    low, high = axes.get_ylim()
-    if high - low < span:
-        middle = (low + high) / 2
-        axes.set_ylim(middle - span / 2, middle + span / 2)
-
-
 def plot_rates(*measured: Recording | TopicRecording | RateMeter, title: str | None = None) -> Plot:
     """The rate of each topic over time, and how its periods are distributed, one row a topic.
 
@@ -155,10 +145,9 @@ def arrivals_of(measured: tuple[Recording | TopicRecording | RateMeter, ...]) ->
             found += [(topic, one.arrivals(topic)[0]) for topic in one.topics]
         else:
             raise TypeError(f"plot_rates() draws what record() and measure_rates() return, not {type(one).__name__}")
-    names = [name for name, _ in found]
-    numbered = [f"{n} ({names[: i + 1].count(n)})" if names.count(n) > 1 else n for i, n in enumerate(names)]
+    names = numbered([name for name, _ in found])
     # Messages of two publishers may be taken a little out of order.
-    return dict(zip(numbered, (np.sort(receive_ns) for _, receive_ns in found), strict=True))
+    return dict(zip(names, (np.sort(receive_ns) for _, receive_ns in found), strict=True))
 
 
 def _draw_rate(axes: Axes, receive_ns: Int64s, colour: str) -> None:

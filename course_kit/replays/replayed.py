@@ -16,7 +16,7 @@ from course_kit.node_logs.rosout import LogLines
 from course_kit.recordings.buffers import MessageBuffer
 from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.recordings.topic_recording import table as topic_table
-from course_kit.text import table
+from course_kit.text import numbered, table
 from course_kit.watching import topics
 
 TOLERANCE = 1e-6
@@ -129,7 +129,7 @@ class Comparison:
         return sorted((d for d in self.differences if d.largest > self.tolerance), key=lambda d: -d.largest)
 
     def __repr__(self) -> str:
-        names = " and ".join(numbered(self.first.name, self.second.name))
+        names = " and ".join(numbered([self.first.name, self.second.name]))
         if not self.counts:
             return f"{names} published nothing"
         verdict = "equal" if self else "different"
@@ -152,11 +152,6 @@ class Comparison:
 def _short(value: Any) -> str:
     text = f"{value:.6g}" if isinstance(value, float | int) and not isinstance(value, bool) else str(value)
     return text if len(text) <= 24 else f"{text[:21]}..."
-
-
-def numbered(*names: str) -> list[str]:
-    """Names, of which those that occur twice are numbered."""
-    return [f"{n} ({names[: i + 1].count(n)})" if names.count(n) > 1 else n for i, n in enumerate(names)]
 
 
 def compare(

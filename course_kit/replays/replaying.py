@@ -51,8 +51,10 @@ def replay(
     """
     refuse_in_callback("replay()")
     if not (isinstance(node, type) and issubclass(node, Node)):
-        raise TypeError(f"replay() takes a class derived from rclpy.node.Node, not {_name_of(node)}")
-    wanted = None if outputs is None else [topics.absolute(name) for name in _several(outputs)]
+        given = node.__name__ if isinstance(node, type) else type(node).__name__
+        raise TypeError(f"replay() takes a class derived from rclpy.node.Node, not {given}")
+    several = [outputs] if isinstance(outputs, str) else outputs
+    wanted = None if several is None else [topics.absolute(name) for name in several]
     started = time.perf_counter()
     with opened(bag) as messages, _own_context() as own:
         replayed = Replayed(node.__name__, messages.start)
@@ -75,14 +77,6 @@ def replay(
         there = ", ".join(sorted(published)) or "nothing"
         raise ValueError(f"{node.__name__} published nothing on {', '.join(missing)}; it published {there}")
     return replayed
-
-
-def _name_of(given: Any) -> str:
-    return given.__name__ if isinstance(given, type) else type(given).__name__
-
-
-def _several(outputs: Iterable[str]) -> list[str]:
-    return [outputs] if isinstance(outputs, str) else list(outputs)
 
 
 def _send_all(steps: LockStep, bag: OpenBag, name: str, bag_name: str) -> dict[str, int]:

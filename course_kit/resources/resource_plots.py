@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from itertools import cycle
 
 import numpy as np
@@ -29,7 +28,8 @@ def plot_resources(
     """
     if not isinstance(recorded, ResourceRecording):
         raise TypeError(f"plot_resources() draws what record_resources() returns, not {type(recorded).__name__}")
-    usages = [one for one in recorded.values() if len(one)]
+    # Processes first, then threads: those have the colours with most contrast.
+    usages = sorted((one for one in recorded.values() if len(one)), key=lambda one: one.is_thread)
     if not usages:
         raise ValueError("nothing was measured: is a node running, and was there time for two looks?")
     arrivals = {name: ns for name, ns in arrivals_of(measured).items() if len(ns) > 1 and ns[-1] > ns[0]}
@@ -38,9 +38,8 @@ def plot_resources(
     rows = plot.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     style(rows[0], ylabel="CPU [% of a core]")
     style(rows[1], ylabel="memory [MB]")
-    colours = {one.label: colour for one, colour in zip(_in_order(usages), cycle(COLOURS), strict=False)}
-    for one in _in_order(usages):
-        _draw(rows[0], rows[1], one, colours[one.label], recorded.start_ns)
+    for one, colour in zip(usages, cycle(COLOURS), strict=False):
+        _draw(rows[0], rows[1], one, colour, recorded.start_ns)
     rows[0].set_ylim(bottom=0)
     rows[1].set_ylim(0, rows[1].get_ylim()[1] * 1.05)
     legend(rows[0], **BESIDE)  # the memory has the same colours
@@ -51,11 +50,6 @@ def plot_resources(
     rows[-1].set_xlabel("time since the start [s]", fontsize=10)
     plot.align_ylabels()
     return plot
-
-
-def _in_order(usages: Iterable[Usage]) -> list[Usage]:
-    """Processes first, then threads: those have the colours with most contrast."""
-    return sorted(usages, key=lambda one: one.is_thread)
 
 
 def _draw(cpu: Axes, memory: Axes, usage: Usage, colour: str, start_ns: int) -> None:

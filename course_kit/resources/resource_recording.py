@@ -6,6 +6,7 @@ CPU is measured too; memory is the whole process's.
 
 from __future__ import annotations
 
+import functools
 import os
 import threading
 import time
@@ -80,7 +81,7 @@ class _Sampler:
         self.without_pid: list[NodeProcess] = []
         self.error: Exception | None = None
         self.ending = threading.Event()
-        self._processes: dict[int, psutil.Process] = {}
+        self._process = functools.cache(psutil.Process)
         self.thread = threading.Thread(target=self._sample_on, name="course_kit resources", daemon=True)
 
     def _sample_on(self) -> None:
@@ -133,9 +134,7 @@ class _Sampler:
                     meter.add(time.time_ns(), of_threads[meter.native_id], float("nan"))
                 continue
             try:
-                if meter.pid not in self._processes:
-                    self._processes[meter.pid] = psutil.Process(meter.pid)
-                process = self._processes[meter.pid]
+                process = self._process(meter.pid)
                 with process.oneshot():
                     used, memory = process.cpu_times(), process.memory_info().rss
             except psutil.Error:  # it has ended

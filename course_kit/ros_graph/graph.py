@@ -23,9 +23,9 @@ from course_kit.ros_graph.graph_data import (
     Qos,
     Snapshot,
 )
+from course_kit.watching.topics import publishers, subscriptions
 
 NamesAndTypes = dict[str, list[str]]
-ACTION_PARTS = ("/_action/send_goal", "/_action/cancel_goal", "/_action/get_result")
 
 
 @dataclass(frozen=True, order=True)
@@ -88,18 +88,6 @@ def actions(node: Node) -> NamesAndTypes:
     from rclpy.action import get_action_names_and_types
 
     return _visible(get_action_names_and_types(node), True)
-
-
-def publishers(node: Node, topic: str) -> list[TopicEndpointInfo]:
-    """The publishers of a topic."""
-    found: list[TopicEndpointInfo] = node.get_publishers_info_by_topic(topic)
-    return found
-
-
-def subscriptions(node: Node, topic: str) -> list[TopicEndpointInfo]:
-    """The subscriptions to a topic."""
-    found: list[TopicEndpointInfo] = node.get_subscriptions_info_by_topic(topic)
-    return found
 
 
 @dataclass(frozen=True)

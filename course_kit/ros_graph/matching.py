@@ -41,18 +41,16 @@ def qos_reasons(offered: Qos, asked: Qos) -> list[str]:
     if (offered.durability, asked.durability) == ("volatile", "transient_local"):
         reasons.append("transient-local subscription, volatile publisher")
     if offered.deadline > asked.deadline:
-        promised = _seconds(offered.deadline, "publisher promises none", "publisher promises {}")
-        reasons.append(f"subscription asks for a deadline of {asked.deadline:g} s, {promised}")
+        reasons.append(f"subscription asks for a deadline of {asked.deadline:g} s, {_promise(offered.deadline)}")
     if (offered.liveliness, asked.liveliness) == ("automatic", "manual_by_topic"):
         reasons.append("subscription asks for manual liveliness, publisher's is automatic")
     if offered.lease > asked.lease:
-        promised = _seconds(offered.lease, "publisher promises none", "publisher promises {}")
-        reasons.append(f"subscription asks for a liveliness lease of {asked.lease:g} s, {promised}")
+        reasons.append(f"subscription asks for a liveliness lease of {asked.lease:g} s, {_promise(offered.lease)}")
     return reasons
 
 
-def _seconds(value: float, without: str, text: str) -> str:
-    return without if value == float("inf") else text.format(f"{value:g} s")
+def _promise(seconds: float) -> str:
+    return "publisher promises none" if seconds == float("inf") else f"publisher promises {seconds:g} s"
 
 
 def mismatch(source: Endpoint, sink: Endpoint, kind: str = "topic") -> str | None:

@@ -7,7 +7,7 @@ messages that say where another frame is (Odometry, TransformStamped, TFMessage)
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -33,9 +33,7 @@ class Layer:
     def placed(self, where: Float64s, frame: str) -> Layer:
         """The same in another frame; `where` is the pose of its own there, as a matrix."""
         points = self.points @ where[:3, :3].T + where[:3, 3]
-        return Layer(
-            self.label, frame, self.kind, points, where @ self.poses, self.cells, self.resolution, self.note
-        )  # fmt: skip
+        return replace(self, frame=frame, points=points, poses=where @ self.poses)
 
 
 def matrix(position: Any, orientation: Any) -> Float64s:
@@ -90,9 +88,9 @@ def _grid(message: Any, label: str) -> Layer:
     note = f"{odd:,} of its cells are outside -1 to 100 and drawn as unknown" if odd else ""
     width, height = info.width * info.resolution, info.height * info.resolution
     corners = np.array([[0, 0, 0], [width, 0, 0], [width, height, 0], [0, height, 0]], np.float64)
-    origin = _of_pose(info.origin)
-    points = corners @ origin[:3, :3].T + origin[:3, 3]
-    return Layer(label, message.header.frame_id, "grid", points, origin[None], cells, float(info.resolution), note)
+    frame = message.header.frame_id
+    at_origin = Layer(label, frame, "grid", corners, np.eye(4)[None], cells, float(info.resolution), note)
+    return at_origin.placed(_of_pose(info.origin), frame)
 
 
 def _poses(read: Callable[[Any], Iterable[Any]]) -> Callable[[Any, str], Layer]:

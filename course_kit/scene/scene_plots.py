@@ -15,7 +15,8 @@ from matplotlib.transforms import Affine2D
 from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot, style
 from course_kit.recordings.recording import Recording, record
 from course_kit.recordings.topic_recording import TopicRecording
-from course_kit.scene.scene import TRANSFORMS, UNKNOWN, Frames, Layer, Scene, layer, scene
+from course_kit.scene.scene import TRANSFORMS, UNKNOWN, Float64s, Frames, Layer, Scene, layer, scene
+from course_kit.text import numbered
 from course_kit.watching import topics
 
 # Free, occupied and unknown cells; the ground outside a map is white, so free is not.
@@ -48,7 +49,7 @@ def plot_scene(
 
 
 def _messages(given: list[tuple[str | None, Any]], timeout: float) -> list[tuple[str, Any]]:
-    """Each message with its label: of topics and recordings too."""
+    """Each message with its label, those that occur twice numbered: of topics and recordings too."""
     wanted = [topics.absolute(one) for _, one in given if isinstance(one, str)]
     came = record(*wanted, count=1, timeout=timeout) if wanted else None
     found: list[tuple[str, Any]] = []
@@ -65,16 +66,7 @@ def _messages(given: list[tuple[str | None, Any]], timeout: float) -> list[tuple
             found.append((label or type(one).__name__, one))
         else:
             raise TypeError(f"plot_scene() draws messages, topics and recordings, not {type(one).__name__}")
-    return _numbered(found)
-
-
-def _numbered(found: list[tuple[str, Any]]) -> list[tuple[str, Any]]:
-    """Labels that occur twice are numbered."""
-    labels = [label for label, _ in found]
-    return [
-        (f"{label} ({labels[: n + 1].count(label)})" if labels.count(label) > 1 else label, message)
-        for n, (label, message) in enumerate(found)
-    ]
+    return list(zip(numbered([label for label, _ in found]), (message for _, message in found), strict=True))
 
 
 def draw_scene(placed: Scene, title: str | None = None) -> Plot:
@@ -126,7 +118,7 @@ def _draw_grid(axes: Axes, grid: Layer) -> list[Patch]:
     return [Patch(facecolor=colour, label=name, **edge) for name, colour in names.items()]
 
 
-def _in_plane(pose: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _in_plane(pose: Float64s) -> Float64s:
     """The part of a 4 by 4 pose that is seen from above, as matplotlib's 3 by 3."""
     flat = np.eye(3)
     flat[:2, :2], flat[:2, 2] = pose[:2, :2], pose[:2, 3]
@@ -176,7 +168,7 @@ def _draw_layer(axes: Axes, one: Layer, colour: str) -> Any:
     )[0]
 
 
-def _draw_arrows(axes: Axes, poses: npt.NDArray[np.float64], colour: str) -> None:
+def _draw_arrows(axes: Axes, poses: Float64s, colour: str) -> None:
     """An arrow along the x axis of each pose: where it looks to."""
     chosen = poses[:: max(1, -(-len(poses) // ARROWS))]
     is_one = len(poses) == 1
@@ -189,7 +181,7 @@ def _draw_arrows(axes: Axes, poses: npt.NDArray[np.float64], colour: str) -> Non
         )  # fmt: skip
 
 
-def _limits(placed: Scene) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _limits(placed: Scene) -> tuple[Float64s, Float64s]:
     """The lower left and the upper right corner of what shows every layer, with some room."""
     parts = [one.points[:, :2] for one in placed.layers] + [one.poses[:, :2, 3] for one in placed.layers]
     points = np.vstack(parts)
@@ -199,7 +191,7 @@ def _limits(placed: Scene) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.floa
     return low - room, high + room
 
 
-def _draw_axes(axes: Axes, name: str, place: npt.NDArray[np.float64]) -> None:
+def _draw_axes(axes: Axes, name: str, place: Float64s) -> None:
     """The axes of a frame, x red and y green, if its origin is in sight."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     x, y = place[:2, 3]

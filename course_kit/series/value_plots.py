@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from course_kit.figures import COLOURS, FAINT, Plot, legend, style
+from course_kit import figures
+from course_kit.figures import ABOVE, COLOURS, FAINT, Plot, legend, style
 from course_kit.series.value_series import Series, Source, Values, values
 
 DOTS = 60  # with fewer messages each is drawn as a dot too
@@ -39,7 +40,7 @@ def plot_values(
         style(axes, "time since the start [s]" if is_last else "", title="" if together else drawn[number].path)
         widen(axes)
         if together:
-            legend(axes, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+            legend(axes, **ABOVE)
     return plot
 
 
@@ -50,11 +51,10 @@ def _series(what: tuple[Values | str, ...], source: Source | None, seconds: floa
             raise TypeError(f"plot_values() draws paths and what values() returned, not {type(one).__name__}")
     read = values(*paths, source=source, seconds=seconds) if paths else Values([])
     found = [series for one in what if isinstance(one, Values) for series in one.values()]
-    return [*found, *read.values()] or _nothing()
-
-
-def _nothing() -> Any:
-    raise TypeError("give paths of numbers, such as '/turtle1/pose.x', or what values() returned")
+    drawn = [*found, *read.values()]
+    if not drawn:
+        raise TypeError("give paths of numbers, such as '/turtle1/pose.x', or what values() returned")
+    return drawn
 
 
 def draw_series(axes: Axes, series: Series, colour: str, start_ns: int) -> None:
@@ -67,9 +67,6 @@ def draw_series(axes: Axes, series: Series, colour: str, start_ns: int) -> None:
 
 
 def widen(axes: Axes) -> None:
-    """Widen the y axis around what is constant, so that its last digit does not look like an event."""
+    """Widen the y axis around what is constant."""
     low, high = axes.get_ylim()
-    least = 1e-3 * max(abs(low), abs(high), 1e-9)
-    if high - low < least:
-        middle = (low + high) / 2
-        axes.set_ylim(middle - least, middle + least)
+    figures.widen(axes, 2e-3 * max(abs(low), abs(high), 1e-9))

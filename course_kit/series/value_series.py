@@ -9,7 +9,7 @@ import csv
 import difflib
 import math
 import os
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -137,26 +137,19 @@ def from_recording(
 
     Only those from `since` on (seconds since its start), and of each topic no more than `most`, evenly chosen.
     """
-    known = [recorded] if isinstance(recorded, TopicRecording) else list(recorded)
-    by_topic = {one.topic: one for one in known}
-    _check_topics(wanted, {one.topic: one.message_type for one in known}, "the recording")
-    of = readers(wanted, {topic: one.message_type for topic, one in by_topic.items()})
-    read: dict[FieldPath, list[float]] = {path: [] for path in of}
-    came: dict[str, Int64s] = {}
-    for topic, one in by_topic.items():
-        first = int(np.searchsorted(one.times, since))
-        part = slice(first, None, 1 if most is None else max(1, -(-(len(one) - first) // most)))
-        came[topic] = one.receive_ns[part]
-        here = [(read[path], reader) for path, reader in of.items() if path.topic == topic]
-        for message in one.messages[part] if here else ():
-            for found, reader in here:
-                found.append(reader(message))
-    return Values(
-        [
-            Series(str(path), came[path.topic], np.array(found), by_topic[path.topic].start_ns)
-            for path, found in read.items()
-        ]
-    )
+    by_topic = {one.topic: one for one in ([recorded] if isinstance(recorded, TopicRecording) else recorded)}
+
+    def messages() -> Iterator[tuple[str, int, Any]]:
+        for topic in dict.fromkeys(path.topic for path in wanted):
+            one = by_topic[topic]
+            first = int(np.searchsorted(one.times, since))
+            part = slice(first, None, 1 if most is None else max(1, -(-(len(one) - first) // most)))
+            for nanoseconds, message in zip(one.receive_ns[part].tolist(), one.messages[part], strict=True):
+                yield topic, nanoseconds, message
+
+    _check_topics(wanted, by_topic, "the recording")
+    types = {topic: one.message_type for topic, one in by_topic.items()}
+    return _read(wanted, types, messages(), recorded.start_ns)
 
 
 def from_bag(wanted: list[FieldPath], bag: str | os.PathLike[str]) -> Values:
@@ -164,21 +157,24 @@ def from_bag(wanted: list[FieldPath], bag: str | os.PathLike[str]) -> Values:
     told = bags.info(bag)
     names = {topic.name: topic.type for topic in told.topics}
     _check_topics(wanted, names, f"the bag '{bag}'")
-    topics_read = dict.fromkeys(path.topic for path in wanted)
-    of = readers(wanted, {topic: topics.message_class(names[topic]) for topic in topics_read})
+    types = {path.topic: topics.message_class(names[path.topic]) for path in wanted}
+    return _read(wanted, types, bags.read(bag, *types), told.start)
+
+
+def _read(
+    wanted: list[FieldPath], types: Mapping[str, Any], messages: Iterable[tuple[str, int, Any]], start_ns: int
+) -> Values:
+    """The numbers in messages, each with its topic and the time at which it came."""
+    of = readers(wanted, types)
     read: dict[FieldPath, list[float]] = {path: [] for path in of}
-    came: dict[str, list[int]] = {topic: [] for topic in topics_read}
-    by_topic = {t: [(read[path], one) for path, one in of.items() if path.topic == t] for t in topics_read}
-    for topic, nanoseconds, message in bags.read(bag, *topics_read):
+    came: dict[str, list[int]] = {path.topic: [] for path in of}
+    by_topic = {topic: [(read[path], one) for path, one in of.items() if path.topic == topic] for topic in came}
+    for topic, nanoseconds, message in messages:
         came[topic].append(nanoseconds)
         for found, reader in by_topic[topic]:
             found.append(reader(message))
-    return Values(
-        [
-            Series(str(path), np.array(came[path.topic], np.int64), np.array(found), told.start)
-            for path, found in read.items()
-        ]
-    )
+    times = {topic: np.array(nanoseconds, np.int64) for topic, nanoseconds in came.items()}
+    return Values([Series(str(path), times[path.topic], np.array(found), start_ns) for path, found in read.items()])
 
 
 def _check_topics(wanted: list[FieldPath], there: Mapping[str, Any], where: str) -> None:

@@ -94,6 +94,18 @@ def publishers(node: Node, topic: str) -> list[TopicEndpointInfo]:
     return found
 
 
+def subscriptions(node: Node, topic: str) -> list[TopicEndpointInfo]:
+    """The subscriptions to a topic that the graph knows now."""
+    found: list[TopicEndpointInfo] = node.get_subscriptions_info_by_topic(topic)
+    return found
+
+
+def published(node: Node) -> list[str]:
+    """The topics that some node publishes, without those that every node has."""
+    there = [name for name, _ in node.get_topic_names_and_types()]
+    return [n for n in there if n not in ("/rosout", "/parameter_events") and node.count_publishers(n)]
+
+
 def wait_for_type(node: Node, topic: str, timeout: float) -> str:
     """The type of a topic; waits up to `timeout` seconds for a node that publishes it or subscribes to it.
 
@@ -141,15 +153,14 @@ def _carries_only_others(node: Node, topic: str, wanted: str) -> bool:
 
 def _hint(node: Node, topic: str) -> str:
     """What a student may have meant, or what is there instead."""
-    names = [n for n, _ in node.get_topic_names_and_types() if n not in ("/rosout", "/parameter_events")]
-    published = [n for n in names if node.count_publishers(n)]
+    there = published(node)
     last = topic.rsplit("/", 1)[-1]
-    near = [n for n in published if n.rsplit("/", 1)[-1] == last]
-    near += [n for n in difflib.get_close_matches(topic, published, n=3) if n not in near]
+    near = [n for n in there if n.rsplit("/", 1)[-1] == last]
+    near += [n for n in difflib.get_close_matches(topic, there, n=3) if n not in near]
     if near:
         return f" Did you mean {' or '.join(near[:3])}?"
-    if published:
-        return f" Published are: {', '.join(sorted(published)[:8])}."
+    if there:
+        return f" Published are: {', '.join(sorted(there)[:8])}."
     return " No node publishes anything here: is the node running, in the same ROS_DOMAIN_ID?"
 
 
