@@ -4,86 +4,72 @@ from __future__ import annotations
 
 import os
 import time
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
+from collections import Counter
 
-from course_kit.ros2.bag.options import add_bag_arguments, unfinished
+from course_kit.ros2.bag import text
+from course_kit.ros2.bag.options import BAG, failing_with, unfinished
 from course_kit.ros2.bag.play import PLAY
 from course_kit.ros2.bag.record import RECORD
-from course_kit.ros2.bag.text import SORTING
-from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag
-
-
-def _info_arguments(parser: ArgumentParser) -> None:
-    add_bag_arguments(parser)
-    group = parser.add_mutually_exclusive_group()
-    add_flag(group, "-t --topic-name", "Only display topic names.")
-    add_flag(
-        group,
-        "-v --verbose",
-        "Display request/response information for services and print size contribution of topics",
-    )
-    parser.add_argument(
-        "--sort",
-        default="name",
-        choices=sorted(SORTING),
-        help="Configuration for sorting of output. By default sorts by name",
-    )
+from course_kit.ros2.session import Session, log_text
+from course_kit.ros2.verbs import Verb, argument, flag, one_of
 
 
 def _info(args: Namespace, session: Session) -> None:
     from course_kit.bags import files as bag_files
     from course_kit.bags.storage import BagError
-    from course_kit.ros2.bag import text
 
-    try:
+    with failing_with(BagError):
         found = bag_files.info(args.bag_path)
         sizes = _message_sizes(args.bag_path) if args.verbose else None
-    except BagError as error:
-        raise CommandError(f"[ERROR] [ros2bag]: {error}") from None
     if not found.is_complete:
         session.warn(unfinished(args.bag_path, found.message_count))
     if args.topic_name:
-        for name in text.topic_names(found, args.sort):
-            session.print(name)
+        for topic in text.topics_and_events(found, args.sort)[0]:
+            session.print(topic.name)
     else:
         session.print(text.info_text(found, args.sort, sizes))
 
 
-def _message_sizes(path: str) -> dict[str, int]:
+def _message_sizes(path: str) -> Counter[str]:
     """The bytes of all messages of each topic."""
     from course_kit.bags.files import opened
 
-    sizes: dict[str, int] = {}
+    sizes: Counter[str] = Counter()
     with opened(path) as bag:
         for connection, _, data in bag.messages(bag.connections):
-            sizes[connection.topic] = sizes.get(connection.topic, 0) + len(data)
+            sizes[connection.topic] += len(data)
     return sizes
 
 
 def _reindex(args: Namespace, session: Session) -> None:
-    from course_kit.bags.recorder import BagLogLine
     from course_kit.bags.repair import reindex
     from course_kit.bags.storage import BagError
-    from course_kit.ros2.bag.text import log_text
 
     def say(text: str) -> None:
-        session.warn(log_text(BagLogLine("INFO", "rosbag2_cpp", text, time.time_ns())))
+        session.warn(log_text("INFO", "rosbag2_cpp", text, time.time_ns()))
 
-    try:
+    with failing_with(BagError):
         if not os.path.isdir(args.bag_path):
             raise BagError("Must specify a bag directory")
         say(f'Beginning reindexing bag in directory: "{args.bag_path}"')
         for name, count in reindex(args.bag_path).items():
             say(f"'{name}' was not closed by its recorder: {count} messages were found, and it is complete now.")
-    except BagError as error:
-        raise CommandError(f"[ERROR] [ros2bag]: {error}") from None
     say("Reindexing complete.")
 
 
 VERBS = {
-    "info": Verb("Print information about a bag to the screen", _info, _info_arguments),
+    "info": Verb(
+        "show what a bag holds",
+        _info,
+        BAG,
+        one_of(
+            flag("-t --topic-name", "only the names of the topics"),
+            flag("-v --verbose", "with how many bytes the messages of each topic take"),
+        ),
+        argument("--sort", "the order of the topics (default: name)", default="name", choices=text.SORTING),
+    ),
     "play": PLAY,
     "record": RECORD,
-    "reindex": Verb("Reconstruct metadata file for a bag", _reindex, add_bag_arguments),
+    "reindex": Verb("complete a bag whose recorder was killed, or that has lost its metadata.yaml", _reindex, BAG),
 }

@@ -1,44 +1,65 @@
-"""What `ros2 bag record` and `play` have in common: files of QoS overrides, options they do not have, their log."""
+"""What the verbs of `ros2 bag` have in common: arguments, how they fail, what they say of a bag."""
 
 from __future__ import annotations
 
 import os
 import re
 import sys
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections.abc import Mapping
+from argparse import ArgumentTypeError, Namespace
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError
+from course_kit.ros2.session import Session, log_text
+from course_kit.ros2.verbs import Arguments, CommandError, all_of, argument, failing, flag, one_line
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
     from course_kit.bags.recorder import BagLogLine
+    from course_kit.bags.selection import Selection
 
 STORAGES = ("mcap", "sqlite3")
 LEVELS = ("debug", "info", "warn", "error", "fatal")
-
-
-def add_bag_arguments(parser: ArgumentParser) -> None:
-    """The arguments of verbs that read one bag."""
-    parser.add_argument("bag_path", type=_existing_path, help="Bag to open.")
-    parser.add_argument(
-        "-s",
-        "--storage",
-        default="",
-        choices=STORAGES,
-        help="Storage implementation of bag. "
-        "By default attempts to detect automatically - use this argument to override.",
-    )
+ERROR = "[ERROR] [ros2bag]: {}"
 
 
 def _existing_path(text: str) -> str:
     if not os.path.exists(text):
         raise ArgumentTypeError(f"Bag path '{text}' does not exist!")
     return text
+
+
+def _readable_file(path: str) -> str:
+    try:
+        with open(path, encoding="utf-8"):
+            return path
+    except OSError as error:
+        raise ArgumentTypeError(f"can't open '{path}': {error}") from None
+
+
+BAG = all_of(
+    argument("bag_path", "the bag: its folder, or one file of it", type=_existing_path),
+    argument("-s --storage", "accepted: the files tell by themselves", default="", choices=STORAGES),
+)
+REGEX = argument("-e --regex", "topics that this regular expression finds", default="")
+EXCLUDE_REGEX = argument("-x --exclude-regex", "none that this regular expression finds", default="")
+SHARED = all_of(
+    argument("--qos-profile-overrides-path", "a YAML file, QoS policies by topic", type=_readable_file),
+    flag("--disable-keyboard-controls", "take no keys from the terminal"),
+    argument("--log-level", "the least that is worth a line (default: info)", default="info", choices=LEVELS),
+)
+
+
+def failed(text: str) -> CommandError:
+    """A failure in rosbag2's words."""
+    return CommandError(ERROR.format(text))
+
+
+def failing_with(*kinds: type[Exception]) -> AbstractContextManager[None]:
+    """Exceptions of these kinds are failures in rosbag2's words."""
+    return failing(*kinds, say=ERROR.format)
 
 
 def unfinished(path: str, count: int) -> str:
@@ -54,15 +75,6 @@ def unfinished(path: str, count: int) -> str:
     )
 
 
-def readable_file(path: str) -> str:
-    """An argument that must be the path of a file that can be read."""
-    try:
-        with open(path, encoding="utf-8"):
-            return path
-    except OSError as error:
-        raise ArgumentTypeError(f"can't open '{path}': {error}") from None
-
-
 def qos_overrides(path: str | None) -> dict[str, QoSProfile]:
     """{topic: profile} from a YAML file; none without a path. CommandError for what is no such file."""
     if path is None:
@@ -71,29 +83,38 @@ def qos_overrides(path: str | None) -> dict[str, QoSProfile]:
 
     from course_kit.bags import qos as bag_qos
 
-    try:
-        with open(path, encoding="utf-8") as file:
-            return bag_qos.overrides(yaml.safe_load(file) or {})
-    except yaml.YAMLError as error:
-        reason = " ".join(str(error).split())
-        raise CommandError(f"[ERROR] [ros2bag]: '{path}' is no YAML: {reason}") from None
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise CommandError(f"[ERROR] [ros2bag]: {error}") from None
+    with (
+        failing(yaml.YAMLError, say=lambda error: ERROR.format(f"'{path}' is no YAML: {one_line(error)}")),
+        failing_with(OSError, ValueError),
+        open(path, encoding="utf-8") as file,
+    ):
+        return bag_qos.overrides(yaml.safe_load(file) or {})
 
 
-def check_patterns(args: Namespace) -> None:
-    """CommandError if --regex or --exclude-regex is no regular expression."""
+def selection(args: Namespace, names: Sequence[str], every: bool, **more: Any) -> Selection:
+    """The topics that the command line asks for. CommandError for what is no name or no regular expression."""
+    from course_kit.bags.selection import Selection
+    from course_kit.watching import topics
+
     for pattern in (args.regex, args.exclude_regex):
         try:
             re.compile(pattern)
         except re.error as error:
-            raise CommandError(f"[ERROR] [ros2bag]: '{pattern}' is no regular expression: {error}") from None
+            raise failed(f"'{pattern}' is no regular expression: {error}") from None
+    with failing_with(ValueError):
+        return Selection(
+            [topics.absolute(name) for name in names],
+            regex=args.regex,
+            every=every,
+            exclude_names=[topics.absolute(name) for name in args.exclude_topics],
+            exclude_regex=args.exclude_regex,
+            **more,
+        )
 
 
-def add_unsupported(parser: ArgumentParser, options: Mapping[str, Mapping[str, Any]]) -> None:
-    """Have the parser know options of rosbag2 that are not made here, so that they can be refused in clear words."""
-    for name, settings in options.items():
-        parser.add_argument(name, help="Not supported here.", **settings)
+def unsupported(options: Mapping[str, Mapping[str, Any]]) -> Arguments:
+    """Options of rosbag2 that are not made here, known so that they can be refused in clear words."""
+    return all_of(*(argument(name, "not supported here", **settings) for name, settings in options.items()))
 
 
 def refuse_unsupported(args: Namespace, options: Mapping[str, Mapping[str, Any]]) -> None:
@@ -101,18 +122,10 @@ def refuse_unsupported(args: Namespace, options: Mapping[str, Mapping[str, Any]]
     for name in options:
         value = getattr(args, name.lstrip("-").replace("-", "_"))
         if value and value != "none":
-            raise CommandError(
-                f"[ERROR] [ros2bag]: {name} is not supported here: it needs the ros2 of an installed ROS 2."
-            )
+            raise failed(f"{name} is not supported here: it needs the ros2 of an installed ROS 2.")
 
 
 def show(line: BagLogLine, session: Session, log_level: str) -> None:
     """Write a log line to stderr, as ROS does; in a notebook it is a plain line of the cell's output."""
-    from course_kit.ros2.bag.text import log_text
-
-    if LEVELS.index(line.level.lower()) < LEVELS.index(log_level):
-        return
-    if session.in_notebook:
-        session.print(log_text(line))
-    else:
-        print(log_text(line), file=sys.stderr, flush=True)
+    if LEVELS.index(line.level.lower()) >= LEVELS.index(log_level):
+        print(log_text(*line), file=sys.stdout if session.in_notebook else sys.stderr, flush=True)

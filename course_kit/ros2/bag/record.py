@@ -5,22 +5,15 @@ from __future__ import annotations
 import os
 import signal
 import time
-from argparse import ArgumentParser, Namespace
-from queue import Empty
+from argparse import Namespace
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from course_kit.ros2.bag.options import (
-    STORAGES,
-    add_unsupported,
-    check_patterns,
-    qos_overrides,
-    readable_file,
-    refuse_unsupported,
-    show,
-)
+from course_kit.ros2.bag import options
+from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failed
 from course_kit.ros2.completion import names_of
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_duration_argument
+from course_kit.ros2.verbs import Arguments, Verb, argument, duration, flag, one_of
 
 if TYPE_CHECKING:
     from course_kit.bags.recorder import Recorder
@@ -40,86 +33,6 @@ UNSUPPORTED: dict[str, dict[str, Any]] = {
     "--compression-mode": {"choices": ["none", "file", "message"]},
     "--compression-format": {},
 }
-NEEDS_WIDE = "argument requires either --all, --all-topics, --topic-types or --regex"
-
-
-def _arguments(parser: ArgumentParser) -> None:
-    parser.add_argument(
-        "-o",
-        "--output",
-        help="Destination of the bagfile to create, defaults to a timestamped folder in the current directory.",
-    )
-    parser.add_argument(
-        "-s",
-        "--storage",
-        default="mcap",
-        choices=STORAGES,
-        help="Storage identifier to be used, defaults to '%(default)s'.",
-    )
-    group = parser.add_mutually_exclusive_group()
-    positional = group.add_argument(
-        "topics_positional",
-        default=[],
-        metavar="[Topic ...]",
-        nargs="*",
-        help="Space-delimited list of topics to record. (deprecated)",
-    )
-    named = group.add_argument(
-        "--topics", default=[], metavar="Topic", nargs="+", help="Space-delimited list of topics to record."
-    )
-    positional.completer = named.completer = names_of("topic")  # type: ignore[attr-defined]
-    add = parser.add_argument
-    add(
-        "--topic-types",
-        nargs="+",
-        default=[],
-        metavar="TopicType",
-        help="Space-delimited list of topic types to record.",
-    )
-    add("-a", "--all", action="store_true", help="Record all topics and services (Exclude hidden topic).")
-    add("--all-topics", action="store_true", help="Record all topics (Exclude hidden topic).")
-    add(
-        "-e",
-        "--regex",
-        default="",
-        help="Record only topics and services containing provided regular expression. "
-        "Note:  --all, --all-topics or --all-services will override --regex.",
-    )
-    add("--exclude-regex", "-x", default="", help="Exclude topics containing provided regular expression.")
-    add("--exclude-topic-types", nargs="+", default=[], metavar="ExcludeTopicTypes", help="Topic types not to record.")
-    add("--exclude-topics", nargs="+", default=[], metavar="Topic", help="Topics not to record.")
-    add("--include-unpublished-topics", action="store_true", help="Discover and record topics which have no publisher.")
-    add("--include-hidden-topics", action="store_true", help="Discover and record hidden topics as well.")
-    add("--no-discovery", action="store_true", help="Only topics present at startup will be recorded.")
-    add(
-        "-p",
-        "--polling-interval",
-        type=int,
-        default=100,
-        help="Time in ms to wait between querying available topics for recording.",
-    )
-    add("--ignore-leaf-topics", action="store_true", help="Ignore topics without a subscription.")
-    add(
-        "--qos-profile-overrides-path",
-        type=readable_file,
-        help="Path to a yaml file defining overrides of the QoS profile for specific topics.",
-    )
-    add("-b", "--max-bag-size", type=int, default=0, help="Maximum size in bytes before the bagfile will be split.")
-    add(
-        "-d",
-        "--max-bag-duration",
-        type=int,
-        default=0,
-        help="Maximum duration in seconds before the bagfile will be split.",
-    )
-    add("--max-cache-size", type=int, default=0, help="Accepted and ignored: what waits to be written has room.")
-    add("--disable-keyboard-controls", action="store_true", help="disables keyboard controls for recorder")
-    add("--start-paused", action="store_true", help="Start the recorder in a paused state.")
-    add("--node-name", default="rosbag2_recorder", help="Specify the recorder node name. Default is %(default)s.")
-    add("--custom-data", metavar="KEY=VALUE", nargs="*", default=[], help="Key=value pairs to store in the metadata.")
-    add("--log-level", default="info", choices=["debug", "info", "warn", "error", "fatal"], help="Logging level.")
-    add_duration_argument(parser)
-    add_unsupported(parser, UNSUPPORTED)
 
 
 def _record(args: Namespace, session: Session) -> int:
@@ -130,24 +43,25 @@ def _record(args: Namespace, session: Session) -> int:
         )
     folder = args.output or time.strftime(DEFAULT_NAME)
     selection = _selection(args, session, folder)
-    refuse_unsupported(args, UNSUPPORTED)
-    overrides = qos_overrides(args.qos_profile_overrides_path)
+    options.refuse_unsupported(args, UNSUPPORTED)
+    overrides = options.qos_overrides(args.qos_profile_overrides_path)
 
     from course_kit.bags.recorder import BagLogLine, Recorder
     from course_kit.bags.storage import BagError
     from course_kit.bags.writer import BagWriter
-    from course_kit.ros2.bag.keys import Keys
+    from course_kit.ros2.bag.keys import keys
 
     if args.no_discovery:
         session.graph()  # what is there is all that will be recorded
-    with Keys(are_wanted=not (session.in_notebook or args.disable_keyboard_controls)) as keys:
+    has_keys = not (session.in_notebook or args.disable_keyboard_controls)
+    with keys(has_keys) as pressed:
         try:
             custom = dict(pair.partition("=")[::2] for pair in args.custom_data)
             writer = BagWriter(folder, args.storage, args.max_bag_size, args.max_bag_duration, custom)
         except OSError as error:
-            raise _error(f"Could not create bag folder '{folder}': {error.strerror}") from None
+            raise failed(f"Could not create bag folder '{folder}': {error.strerror}") from None
         except BagError as error:
-            raise _error(str(error)) from None
+            raise failed(str(error)) from None
         recorder = Recorder(
             writer,
             selection,
@@ -157,27 +71,28 @@ def _record(args: Namespace, session: Session) -> int:
             looks_on=not args.no_discovery,
             is_paused=args.start_paused,
         )
-        if not (session.in_notebook or args.disable_keyboard_controls):
+        if has_keys:
             recorder.log.put(BagLogLine("INFO", args.node_name, "Press SPACE for pausing/resuming", time.time_ns()))
-        return _run(recorder, keys, session, args.log_level)
+        return _run(recorder, pressed, session, args.log_level)
 
 
-def _run(recorder: Recorder, keys: Any, session: Session, log_level: str) -> int:
+def _run(recorder: Recorder, pressed: Callable[[], str | None], session: Session, log_level: str) -> int:
     """Let it record, and say what it says, until something ends it."""
     try:
         recorder.start()
         while recorder.is_running:
-            session.check_time()
-            if keys.pressed():
+            if pressed() == " ":
                 recorder.pause(not recorder.is_paused)
-            _show(recorder, session, log_level, timeout=0.05)
+            for line in session.items(recorder.log, timeout=0.0):
+                options.show(line, session, log_level)
     except SystemExit:  # SIGTERM is a good way to end a recording
         pass
     finally:
         _close(recorder)
-        _show(recorder, session, log_level)
+        while not recorder.log.empty():
+            options.show(recorder.log.get(), session, log_level)
     if recorder.error:
-        raise CommandError(f"[ERROR] [ros2bag]: {recorder.error}")
+        raise failed(recorder.error)
     return 0
 
 
@@ -187,72 +102,82 @@ def _close(recorder: Recorder) -> None:
     try:
         recorder.stop()
     finally:
-        if before is not None:
-            signal.signal(signal.SIGINT, before)
-
-
-def _show(recorder: Recorder, session: Session, log_level: str, timeout: float = 0.0) -> None:
-    try:
-        show(recorder.log.get(timeout=timeout) if timeout else recorder.log.get_nowait(), session, log_level)
-        while True:
-            show(recorder.log.get_nowait(), session, log_level)
-    except Empty:
-        pass
+        signal.signal(signal.SIGINT, before)
 
 
 def _selection(args: Namespace, session: Session, folder: str) -> Selection:
     """What to record; CommandError for what contradicts itself, with rosbag2's words."""
-    from course_kit.bags.selection import Selection
-    from course_kit.watching import topics
-
     names = args.topics_positional or args.topics
     every = args.all or args.all_topics
     wide = every or args.topic_types or args.regex
     if not (wide or names):
-        raise _error(
+        raise failed(
             "Need to specify at least one option out of --all, --all-topics, --all-services, --services, --topics, "
             "--topic-types or --regex"
         )
-    if args.exclude_regex and not wide:
-        raise _error(
-            "--exclude-regex argument requires either --all, --all-topics, --topic-types, --all-services or --regex"
-        )
-    if args.exclude_topics and not wide:
-        raise _error(f"--exclude-topics {NEEDS_WIDE}")
-    if args.exclude_topic_types and not wide:
-        raise _error("--exclude-topic-types argument requires either --all, --all-topics or --regex")
+    for option, given, needed in (
+        ("--exclude-regex", args.exclude_regex, "--all, --all-topics, --topic-types, --all-services or --regex"),
+        ("--exclude-topics", args.exclude_topics, "--all, --all-topics, --topic-types or --regex"),
+        ("--exclude-topic-types", args.exclude_topic_types, "--all, --all-topics or --regex"),
+    ):
+        if given and not wide:
+            raise failed(f"{option} argument requires either {needed}")
     if every and names:
         session.print("[WARN] [ros2bag]: --all or --all-topics will override --topics")
     if every and args.regex:
         session.print("[WARN] [ros2bag]: --all, --all-topics or --all-services will override --regex")
     if os.path.isdir(folder):
-        raise _error(f"Output folder '{folder}' already exists.")
+        raise failed(f"Output folder '{folder}' already exists.")
     smallest = SMALLEST_SPLIT[args.storage]
     if 0 < args.max_bag_size < smallest:
-        raise _error(
+        raise failed(
             f"Invalid bag splitting size given. Please provide a value greater than {smallest}. "
             f"Specified value of {args.max_bag_size}"
         )
-    check_patterns(args)
-    try:
-        return Selection(
-            [topics.absolute(name) for name in names],
-            args.topic_types,
-            args.regex,
-            every,
-            [topics.absolute(name) for name in args.exclude_topics],
-            args.exclude_topic_types,
-            args.exclude_regex,
-            args.include_hidden_topics,
-            args.include_unpublished_topics,
-            args.ignore_leaf_topics,
-        )
-    except ValueError as error:
-        raise _error(str(error)) from None
+    return options.selection(
+        args,
+        names,
+        every,
+        types=args.topic_types,
+        exclude_types=args.exclude_topic_types,
+        with_hidden=args.include_hidden_topics,
+        with_unpublished=args.include_unpublished_topics,
+        without_leaves=args.ignore_leaf_topics,
+    )
 
 
-def _error(text: str) -> CommandError:
-    return CommandError(f"[ERROR] [ros2bag]: {text}")
+def _some(name: str, help: str, metavar: str, **settings: Any) -> Arguments:
+    return argument(name, help, nargs="+", default=[], metavar=metavar, **settings)
 
 
-RECORD = Verb("Record ROS data to a bag", _record, _arguments)
+RECORD = Verb(
+    "record topics into a bag",
+    _record,
+    argument("-o --output", "the folder to make (default: one with date and time in its name)"),
+    argument("-s --storage", "the kind of its files (default: mcap)", default="mcap", choices=options.STORAGES),
+    one_of(
+        argument("topics_positional", "as --topics", names_of("topic"), default=[], metavar="[Topic ...]", nargs="*"),
+        _some("--topics", "the topics to record", "Topic", offer=names_of("topic")),
+    ),
+    _some("--topic-types", "topics of these types", "TopicType"),
+    flag("-a --all", "all topics but the hidden ones"),
+    flag("--all-topics", "the same as --all"),
+    REGEX,
+    EXCLUDE_REGEX,
+    _some("--exclude-topic-types", "none of these types", "ExcludeTopicTypes"),
+    _some("--exclude-topics", "none of these topics", "Topic"),
+    flag("--include-unpublished-topics", "also topics that nobody publishes yet"),
+    flag("--include-hidden-topics", "also topics that are hidden, by an underscore in the name"),
+    flag("--no-discovery", "only topics that are there at the start"),
+    argument("-p --polling-interval", "look for new topics every so many ms (default: 100)", type=int, default=100),
+    flag("--ignore-leaf-topics", "only topics that somebody subscribes to"),
+    SHARED,
+    argument("-b --max-bag-size", "begin a new file after so many bytes (0: never)", type=int, default=0),
+    argument("-d --max-bag-duration", "begin a new file after so many seconds (0: never)", type=int, default=0),
+    argument("--max-cache-size", "accepted: what waits to be written has room", type=int, default=0),
+    flag("--start-paused", "record nothing until SPACE is pressed"),
+    argument("--node-name", "the name of the recorder's node (default: %(default)s)", default="rosbag2_recorder"),
+    argument("--custom-data", "what to note in metadata.yaml", metavar="KEY=VALUE", nargs="*", default=[]),
+    duration,
+    options.unsupported(UNSUPPORTED),
+)

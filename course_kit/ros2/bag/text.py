@@ -1,36 +1,25 @@
-"""What `ros2 bag` prints, from data: the block of `info`, and log lines."""
+"""What `ros2 bag info` prints, from data."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from operator import attrgetter
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from course_kit.bags.files import BagInfo, BagTopic
-    from course_kit.bags.recorder import BagLogLine
 
 INDENT = " " * 19
 UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 EVENT_TOPIC = "/_service_event"
-SORTING: Mapping[str, Callable[[BagTopic], Any]] = {
-    "name": lambda topic: topic.name,
-    "type": lambda topic: topic.type,
-    "count": lambda topic: topic.count,
-}
-
-
-def log_text(line: BagLogLine) -> str:
-    """A line as rcl's console shows it."""
-    seconds, nanoseconds = divmod(line.stamp, 10**9)
-    return f"[{line.level}] [{seconds}.{nanoseconds:09}] [{line.logger}]: {line.text}"
+SORTING = ("count", "name", "type")
 
 
 def info_text(bag: BagInfo, sort: str = "name", sizes: Mapping[str, int] | None = None) -> str:
     """The block that `ros2 bag info` prints; with the size of each topic's messages if `sizes` are given."""
-    topics = sorted((t for t in bag.topics if not _is_service_event(t)), key=SORTING[sort])
-    events = sorted((t for t in bag.topics if _is_service_event(t)), key=SORTING[sort])
-    shown = [_topic_line(topic, sizes) for topic in topics] or [""]
+    topics, events = topics_and_events(bag, sort)
+    shown = [_line(topic, sizes, "Topic", "") for topic in topics] or [""]
     lines = [
         "",
         f"Files:             {_column(bag.files)}",
@@ -43,38 +32,33 @@ def info_text(bag: BagInfo, sort: str = "name", sizes: Mapping[str, int] | None 
         f"Messages:          {bag.message_count - sum(t.count for t in events)}",
         f"Topic information: {_column(shown)}",
         f"Service:           {len(events)}",
-        f"Service information: {_column([_event_line(topic, sizes) for topic in events], INDENT + '  ')}",
+        f"Service information: {_column([_line(t, sizes, 'Service', 'Event ') for t in events], INDENT + '  ')}",
     ]
     return "\n".join(lines) + ("\n" if events else "")
+
+
+def topics_and_events(bag: BagInfo, sort: str) -> tuple[list[BagTopic], list[BagTopic]]:
+    """The topics of a bag, sorted, and apart from them those that tell of service calls."""
+    found: tuple[list[BagTopic], list[BagTopic]] = [], []
+    for topic in sorted(bag.topics, key=attrgetter(sort)):
+        is_event = topic.name.endswith(EVENT_TOPIC) and "/srv/" in topic.type and topic.type.endswith("_Event")
+        found[is_event].append(topic)
+    return found
 
 
 def _column(lines: Sequence[str], indent: str = INDENT) -> str:
     return f"\n{indent}".join(lines)
 
 
-def _topic_line(topic: BagTopic, sizes: Mapping[str, int] | None) -> str:
+def _line(topic: BagTopic, sizes: Mapping[str, int] | None, what: str, counted: str) -> str:
+    name, kind = topic.name, topic.type
+    if counted:
+        name, kind = name.removesuffix(EVENT_TOPIC), kind.removesuffix("_Event")
     size = f"Size Contribution: {size_text(sizes.get(topic.name, 0))} | " if sizes is not None else ""
     return (
-        f"Topic: {topic.name} | Type: {topic.type} | Count: {topic.count} | "
+        f"{what}: {name} | Type: {kind} | {counted}Count: {topic.count} | "
         f"{size}Serialization Format: {topic.serialization_format}"
     )
-
-
-def _event_line(topic: BagTopic, sizes: Mapping[str, int] | None) -> str:
-    size = f"Size Contribution: {size_text(sizes.get(topic.name, 0))} | " if sizes is not None else ""
-    return (
-        f"Service: {topic.name.removesuffix(EVENT_TOPIC)} | Type: {topic.type.removesuffix('_Event')} | "
-        f"Event Count: {topic.count} | {size}Serialization Format: {topic.serialization_format}"
-    )
-
-
-def topic_names(bag: BagInfo, sort: str = "name") -> list[str]:
-    """The topics of a bag, without those that tell of service calls."""
-    return [t.name for t in sorted(bag.topics, key=SORTING[sort]) if not _is_service_event(t)]
-
-
-def _is_service_event(topic: BagTopic) -> bool:
-    return topic.name.endswith(EVENT_TOPIC) and "/srv/" in topic.type and topic.type.endswith("_Event")
 
 
 def size_text(size: float) -> str:
