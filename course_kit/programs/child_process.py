@@ -13,10 +13,11 @@ import subprocess
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, wait
 from pathlib import Path
 
 from course_kit.programs.orphans import Watch, end_all, mark, marked
-from course_kit.programs.process_output import Reader, as_seen, open_terminal
+from course_kit.programs.process_output import as_seen, open_terminal, read_lines
 
 KEPT_LINES = 10_000
 PATIENCE = 5.0  # seconds that a process has to end, after SIGINT and again after SIGTERM
@@ -45,13 +46,12 @@ class Process:
         self.stopped = False  # whether stop() ended it
         self._kept: deque[str] = deque(maxlen=KEPT_LINES)
         self._on_line = on_line
-        self._ended = threading.Event()
-        self._callbacks: list[Callable[[Process], None]] = []
+        self._ended: Future[int] = Future()
         self._lock = threading.Lock()
-        self._mark = _watcher_of_this_process().new_mark()
+        self._mark = _watch().new_mark()
         own = dict(environment)
         mark(own, self._mark)
-        ours, theirs = open_terminal() if in_terminal else os.pipe()
+        self._ours, theirs = open_terminal() if in_terminal else os.pipe()
         try:
             self._popen = subprocess.Popen(
                 self.command,
@@ -64,16 +64,15 @@ class Process:
                 start_new_session=True,  # an interrupt of the notebook is not one of the process
             )
         except OSError as error:
-            os.close(ours)
+            os.close(self._ours)
             raise _cannot_start(self.command[0], folder, error) from None
         finally:
             os.close(theirs)
         self.pid = self._popen.pid
-        self._reader = Reader(ours, lambda: self._popen.poll() is not None, self._keep, self._end)
 
     def begin(self) -> None:
         """Read what it writes from now on."""
-        self._reader.start()
+        read_lines(self._ours, lambda: self._popen.poll() is not None, self._keep, self._end)
 
     def __repr__(self) -> str:
         return f"{self.name}: {self.state}"
@@ -81,12 +80,12 @@ class Process:
     @property
     def status(self) -> int | None:
         """The exit status: None while it runs, negative for the signal that ended it."""
-        return self._popen.returncode if self._ended.is_set() else None
+        return self._ended.result() if self._ended.done() else None
 
     @property
     def is_running(self) -> bool:
         """Whether the process has not ended."""
-        return not self._ended.is_set()
+        return not self._ended.done()
 
     @property
     def state(self) -> str:
@@ -127,7 +126,7 @@ class Process:
         """
         self._ask_to_end(patience)
         end_all(self._mark)
-        self._ended.wait(KILL_TIMEOUT)
+        wait([self._ended], KILL_TIMEOUT)
         return self._popen.wait(KILL_TIMEOUT)
 
     def _ask_to_end(self, patience: float) -> None:
@@ -142,16 +141,16 @@ class Process:
 
     def wait(self, timeout: float) -> int:
         """Wait for its end; return the exit status. TimeoutError if it still runs after `timeout` seconds."""
-        if not self._ended.wait(timeout):
+        if not wait([self._ended], timeout).done:
             what, hint = self.explain_wait()
             raise TimeoutError(f"{what} did not come within {timeout:g} s. {hint}")
-        return self._popen.returncode
+        return self._ended.result()
 
     # What wait_for() needs.
 
     def done(self) -> bool:
         """Whether it has ended, and all that it wrote has been read."""
-        return self._ended.is_set()
+        return self._ended.done()
 
     def result(self) -> int | None:
         """The exit status."""
@@ -159,11 +158,7 @@ class Process:
 
     def add_done_callback(self, callback: Callable[[Process], None]) -> None:
         """Have `callback(process)` called once it has ended, in another thread; at once if it has."""
-        with self._lock:
-            if not self._ended.is_set():
-                self._callbacks.append(callback)
-                return
-        callback(self)
+        self._ended.add_done_callback(lambda _: callback(self))
 
     def explain_wait(self) -> tuple[str, str]:
         """What is waited for, and what to look at if it does not come."""
@@ -181,12 +176,7 @@ class Process:
             self._on_line(line)
 
     def _end(self) -> None:
-        self._popen.wait()
-        with self._lock:
-            self._ended.set()
-            callbacks, self._callbacks = self._callbacks, []
-        for callback in callbacks:
-            callback(self)
+        self._ended.set_result(self._popen.wait())
 
 
 def _cannot_start(program: str, folder: Path | None, error: OSError) -> OSError:
@@ -197,33 +187,20 @@ def _cannot_start(program: str, folder: Path | None, error: OSError) -> OSError:
     return type(error)(f"cannot run {program!r}: {error.strerror}")
 
 
-class _Watcher:
-    """The watcher of this Python process, and the marks of its processes."""
-
-    def __init__(self) -> None:
-        self.watch = Watch(apart=True)
-        self.pid = os.getpid()
-        self._count = 0
-
-    def new_mark(self) -> str:
-        self._count += 1
-        return f"{self.watch.token}-{self._count}."  # the dot: no mark is the beginning of another
-
-
 _lock = threading.Lock()
-_watcher: _Watcher | None = None
+_watches: dict[int, Watch] = {}  # by the process that began it: a forked child gets one of its own
 
 
-def _watcher_of_this_process() -> _Watcher:
-    """The watcher, started with the first process; a forked child gets one of its own."""
-    global _watcher
+def _watch() -> Watch:
+    """The watcher of this Python process, started with its first process."""
     with _lock:
-        if _watcher is None or _watcher.pid != os.getpid():
-            _watcher = _Watcher()
-        return _watcher
+        if os.getpid() not in _watches:
+            _watches[os.getpid()] = Watch(apart=True)
+        return _watches[os.getpid()]
 
 
 def dismiss_watcher() -> None:
     """End the watcher, as this process does; unless something is left for it to end."""
-    if _watcher is not None and _watcher.pid == os.getpid() and not marked(_watcher.watch.token):
-        _watcher.watch.dismiss()
+    watch = _watches.get(os.getpid())
+    if watch is not None and not marked(watch.token):
+        watch.dismiss()

@@ -8,6 +8,7 @@ Standard library only: it is started without the environment's packages, so that
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import signal
 import subprocess
@@ -66,6 +67,7 @@ class Watch:
     def __init__(self, apart: bool = False) -> None:
         """`apart`: in a session of its own, so that signals for this process group do not reach it."""
         self.token = f"{os.getpid()}-{uuid.uuid4().hex}"
+        self._count = itertools.count(1)
         # The watcher blocks SIGINT, so that one that the whole process group got stays visible as pending.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
@@ -80,6 +82,10 @@ class Watch:
             self._process = None
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    def new_mark(self) -> str:
+        """A mark for one process and what it starts."""
+        return f"{self.token}-{next(self._count)}."  # the dot: no mark is the beginning of another
 
     def whole_group_was_interrupted(self) -> bool:
         """Whether a SIGINT came to all processes of the group, as Ctrl-C in a terminal sends it."""

@@ -56,44 +56,38 @@ def as_seen(line: str) -> str:
     return _ESCAPES.sub("", line.rstrip("\r")).rpartition("\r")[2]
 
 
-class Reader:
-    """Hands each line that comes from a file descriptor to `on_line`, and says when there will be no more."""
+def read_lines(
+    fd: int, has_ended: Callable[[], bool], on_line: Callable[[str], None], on_end: Callable[[], None]
+) -> None:
+    """Hand each line that comes from a file descriptor to `on_line`, in a thread; there call `on_end` in the end.
 
-    def __init__(
-        self, fd: int, has_ended: Callable[[], bool], on_line: Callable[[str], None], on_end: Callable[[], None]
-    ) -> None:
-        """`has_ended` says whether the process has; `on_end` is called once, in the reading thread."""
-        self._fd = fd
-        self._has_ended = has_ended
-        self._on_line = on_line
-        self._on_end = on_end
-        self._thread = threading.Thread(target=self._run, name="course_kit process output", daemon=True)
+    `has_ended` says whether the process has.
+    """
 
-    def start(self) -> None:
-        """Begin to read."""
-        self._thread.start()
-
-    def _run(self) -> None:
+    def run() -> None:
         lines = LineCutter()
-        for data in self._chunks():
+        for data in _chunks(fd, has_ended):
             for line in lines.feed(data):
-                self._on_line(line)
+                on_line(line)
         for line in lines.rest():
-            self._on_line(line)
-        os.close(self._fd)
-        self._on_end()
+            on_line(line)
+        os.close(fd)
+        on_end()
 
-    def _chunks(self) -> Iterator[bytes]:
-        deadline = None
-        poller = select.poll()  # select() takes no descriptor above 1023
-        poller.register(self._fd, select.POLLIN)
-        while deadline is None or time.monotonic() < deadline:
-            if poller.poll(POLL * 1000):
-                data = b""
-                with contextlib.suppress(OSError):  # how a terminal tells its end
-                    data = os.read(self._fd, CHUNK)
-                if not data:
-                    return
-                yield data
-            if deadline is None and self._has_ended():
-                deadline = time.monotonic() + PATIENCE
+    threading.Thread(target=run, name="course_kit process output", daemon=True).start()
+
+
+def _chunks(fd: int, has_ended: Callable[[], bool]) -> Iterator[bytes]:
+    deadline = None
+    poller = select.poll()  # select() takes no descriptor above 1023
+    poller.register(fd, select.POLLIN)
+    while deadline is None or time.monotonic() < deadline:
+        if poller.poll(POLL * 1000):
+            data = b""
+            with contextlib.suppress(OSError):  # how a terminal tells its end
+                data = os.read(fd, CHUNK)
+            if not data:
+                return
+            yield data
+        if deadline is None and has_ended():
+            deadline = time.monotonic() + PATIENCE

@@ -27,8 +27,7 @@ Listener = Callable[["Process"], None]
 
 _lock = threading.RLock()
 _processes: dict[str, Process] = {}
-_listeners: list[Listener] = []
-_start_listeners: list[Listener] = []
+_listeners: list[tuple[Listener, Listener]] = []  # of a start, and of what changes then
 
 
 def start(
@@ -56,8 +55,8 @@ def start(
         _processes[name] = process
         atexit.unregister(_end)
         atexit.register(_end)
-    for listener in _start_listeners:
-        listener(process)
+    for on_start, _ in _listeners:
+        on_start(process)
     process.add_done_callback(_tell)
     process.begin()
     return process
@@ -105,14 +104,13 @@ def _words(command: str | Sequence[str]) -> list[str]:
 
 def listen(on_start: Listener, on_change: Listener) -> None:
     """Have `on_start(process)` called in the cell that starts one, `on_change(process)` for each line and the end."""
-    if on_start not in _start_listeners:
-        _start_listeners.append(on_start)
-        _listeners.append(on_change)
+    if (on_start, on_change) not in _listeners:
+        _listeners.append((on_start, on_change))
 
 
 def _tell(process: Process) -> None:
-    for listener in _listeners:
-        listener(process)
+    for _, on_change in _listeners:
+        on_change(process)
 
 
 def running() -> list[Process]:

@@ -14,7 +14,7 @@ from types import FrameType
 from typing import Any
 
 from course_kit.programs.orphans import Watch, mark
-from course_kit.programs.process_output import Reader
+from course_kit.programs.process_output import read_lines
 from course_kit.ros2.session import DurationOver, Session
 from course_kit.ros2.verbs import CommandError
 
@@ -101,7 +101,7 @@ def _streamed(cmd: Sequence[str], session: Session, environment: dict[str, str])
                 lines.put(None)
 
         with pipe:
-            Reader(os.dup(pipe.fileno()), lambda: process.poll() is not None, take, end).start()
+            read_lines(os.dup(pipe.fileno()), lambda: process.poll() is not None, take, end)
     try:
         _write(session.items(lines))
     except (KeyboardInterrupt, DurationOver) as why:
