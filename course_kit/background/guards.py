@@ -7,7 +7,6 @@ to an action client is not lost when it is faster than the cell that asked.
 
 from __future__ import annotations
 
-import functools
 import time
 from collections.abc import Callable
 from typing import Any
@@ -19,6 +18,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.task import Future
 
+from course_kit.internals import going_on_without, rclpy_parts
 from course_kit.spinning import NodeAlreadyRuns, action_answers, executors
 from course_kit.spinning import context as ros_context
 
@@ -27,40 +27,28 @@ SLICE = 0.1
 
 
 def install() -> None:
-    """Put the guards in place, once."""
-    if getattr(rclpy.init, "guarded", False):
-        return
-    guards: dict[str, Any] = {
-        "init": _init,
-        "spin": _spin,
-        "spin_until_future_complete": _spin_until_future_complete,
-    }
-    for name, guard in guards.items():
-        plain = getattr(rclpy, name)
-        functools.update_wrapper(guard, plain)
-        guard.guarded = True
-        setattr(rclpy, name, guard)
-    setattr(Executor, "add_node", _add_node)  # noqa: B010  (mypy would take it for a mistake)
-    setattr(Client, "call", _refusing(Client.call, "client.call()"))  # noqa: B010
-    setattr(ActionClient, "send_goal", _refusing(ActionClient.send_goal, "send_goal()"))  # noqa: B010
+    """Put the guards in place, once; one that does not fit this rclpy is left out, and it is said what that means."""
+    for owner, name, guard_of, without in GUARDS:
+        with going_on_without(without):
+            rclpy_parts.replace(owner, name, guard_of)
     action_answers.keep()
 
 
-_plain_init = rclpy.init
+def _init(plain: Callable[..., None]) -> Callable[..., None]:
+    def init(*, args: Any = None, context: Any = None, domain_id: int | None = None, **options: Any) -> None:
+        """Start ROS; a second call for the default context does nothing."""
+        if context is not None:
+            plain(args=args, context=context, domain_id=domain_id, **options)
+            return
+        current = rclpy.get_default_context()
+        if domain_id is not None and rclpy.ok() and current.get_domain_id() != domain_id:
+            raise RuntimeError(
+                f"ROS runs in this notebook already, in domain {current.get_domain_id()}, and a context cannot change "
+                f"its domain. Call rclpy.shutdown() first, or rclpy.init(context=Context(), domain_id={domain_id})."
+            )
+        ros_context.start(args=args, domain_id=domain_id)
 
-
-def _init(*, args: Any = None, context: Any = None, domain_id: int | None = None, **options: Any) -> None:
-    """Start ROS; a second call for the default context does nothing."""
-    if context is not None:
-        _plain_init(args=args, context=context, domain_id=domain_id, **options)
-        return
-    current = rclpy.get_default_context()
-    if domain_id is not None and rclpy.ok() and current.get_domain_id() != domain_id:
-        raise RuntimeError(
-            f"ROS runs in this notebook already, in domain {current.get_domain_id()}, and a context cannot change "
-            f"its domain. Call rclpy.shutdown() first, or rclpy.init(context=Context(), domain_id={domain_id})."
-        )
-    ros_context.start(args=args, domain_id=domain_id)
+    return init
 
 
 def _spin(node: Node, executor: Executor | None = None) -> None:
@@ -91,38 +79,54 @@ def _spin_until_future_complete(
         chosen.remove_node(node)
 
 
-def _add_node(self: Executor, node: Node) -> bool:
-    """Executor.add_node(), which would take a node away from the executor that runs it in the background."""
-    owner = executors.executor_of(node)
-    if owner is not None and owner is not self:
-        name = node.get_fully_qualified_name()
-        raise NodeAlreadyRuns(
-            f"{name} already runs in the background, so it cannot be spun here too: a node belongs to one executor. "
-            f"Wait for a result with wait_for(...), or call stop({name!r}) before you spin it yourself."
-        )
-    return _plain_add_node(self, node)
+def _add_node(plain: Callable[..., bool]) -> Callable[..., bool]:
+    def add_node(self: Executor, node: Node) -> bool:
+        """Executor.add_node(), which would take a node away from the executor that runs it in the background."""
+        owner = executors.executor_of(node)
+        if owner is not None and owner is not self:
+            name = node.get_fully_qualified_name()
+            raise NodeAlreadyRuns(
+                f"{name} already runs in the background, so it cannot be spun here too: a node belongs to one "
+                f"executor. Wait for a result with wait_for(...), or call stop({name!r}) before you spin it yourself."
+            )
+        return plain(self, node)
+
+    return add_node
 
 
-_plain_add_node = Executor.add_node
-
-
-def _refusing(method: Callable[..., Any], name: str) -> Callable[..., Any]:
+def _refusing(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """A blocking call that fails at once where it could only hang: in a callback, without a timeout."""
 
-    @functools.wraps(method)
-    def guarded(self: Any, *args: Any, **kwargs: Any) -> Any:
-        waits_for_ever = kwargs.get("timeout_sec") is None and len(args) < 2
-        if waits_for_ever and _belongs_to_this_thread(self):
-            executors.refuse_in_callback(name)
-        return method(self, *args, **kwargs)
+    def guard_of(method: Callable[..., Any]) -> Callable[..., Any]:
+        def guarded(self: Any, *args: Any, **kwargs: Any) -> Any:
+            waits_for_ever = kwargs.get("timeout_sec") is None and len(args) < 2
+            if waits_for_ever and _belongs_to_this_thread(self):
+                executors.refuse_in_callback(name)
+            return method(self, *args, **kwargs)
 
-    return guarded
+        return guarded
+
+    return guard_of
 
 
 def _belongs_to_this_thread(client: Any) -> bool:
     """Whether the answer to a client would be delivered by the executor whose callback runs now."""
     current = executors.current()
-    if current is None:
-        return False
-    nodes = current.executor.get_nodes()
-    return getattr(client, "_node", None) in nodes or any(client in node.clients for node in nodes)
+    nodes = current.executor.get_nodes() if current is not None else []
+    return any(client in (*node.clients, *node.waitables) for node in nodes)
+
+
+# Whose function, its name, what makes the guard of it, and what holds where that cannot be put in place.
+GUARDS: tuple[tuple[Any, str, Callable[[Any], Callable[..., Any]], str], ...] = (
+    (rclpy, "init", _init, "a second rclpy.init() is an error, and Ctrl-C ends ROS"),
+    (rclpy, "spin", lambda _: _spin, "a cell with rclpy.spin() cannot be interrupted"),
+    (
+        rclpy,
+        "spin_until_future_complete",
+        lambda _: _spin_until_future_complete,
+        "a cell with rclpy.spin_until_future_complete() cannot be interrupted",
+    ),
+    (Executor, "add_node", _add_node, "a node that runs in the background can be spun in a cell too, and stands still"),
+    (Client, "call", _refusing("client.call()"), "client.call() in a callback hangs"),
+    (ActionClient, "send_goal", _refusing("send_goal()"), "send_goal() in a callback hangs"),
+)

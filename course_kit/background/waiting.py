@@ -10,6 +10,8 @@ from typing import Any, Protocol
 
 from course_kit.background import running
 from course_kit.interface_types import type_name
+from course_kit.internals import going_on_without
+from course_kit.internals.rclpy_parts import pending_requests
 from course_kit.polling import wait_until
 from course_kit.programs import processes
 from course_kit.spinning import executors
@@ -87,10 +89,11 @@ def _describe_condition(condition: Callable[[], Any]) -> str:
 
 def _client_of(future: Any) -> Any:
     """The client whose request a future belongs to, or None."""
-    for node in running.nodes():
-        for client in node.clients:
-            if future in list(getattr(client, "_pending_requests", {}).values()):
-                return client
+    with going_on_without("wait_for() does not say what is waited for"):
+        for node in running.nodes():
+            for client in node.clients:
+                if future in pending_requests(client):
+                    return client
     return None
 
 

@@ -6,10 +6,11 @@ uses them says what does not work here, once, and goes on without them where tha
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from typing import Any
 TRIED_RCLPY = ("7.1.5", "7.1.6")
 
 _said: set[str] = set()
-_unsaid: list[str] = []
+_held: list[str] | None = None  # lines that wait for release(), if they wait
 
 
 class NotAsExpected(RuntimeError):  # noqa: N818  (reads as what is found)
@@ -25,25 +26,44 @@ class NotAsExpected(RuntimeError):  # noqa: N818  (reads as what is found)
 
 
 def expect(library: str, owner: Any, *names: str) -> None:
-    """Raise NotAsExpected unless a class or module of a library has these attributes."""
+    """Raise NotAsExpected unless a class, a module or an object of a library has these attributes."""
     missing = [name for name in names if not hasattr(owner, name)]
     if missing:
-        raise NotAsExpected(f"{library} has no {getattr(owner, '__name__', owner)}.{missing[0]} here")
+        raise NotAsExpected(f"{library} has no {getattr(owner, '__name__', type(owner).__name__)}.{missing[0]} here")
 
 
-def note(line: str) -> None:
-    """Have say() print a line, once in a process."""
-    if line not in _said:
-        _said.add(line)
-        _unsaid.append(line)
+@contextlib.contextmanager
+def going_on_without(consequence: str) -> Iterator[None]:
+    """Where a part that the block uses is not as expected, leave the block and say what does not work for that."""
+    try:
+        yield
+    except NotAsExpected as error:
+        say(f"{error}: {consequence}")
 
 
-def say(line: str = "") -> None:
-    """Print on stderr what does not work here: this line, once in a process, and those noted before."""
-    if line:
-        note(line)
-    while _unsaid:
-        print(f"course_kit: {_unsaid.pop(0)}", file=sys.stderr)
+def say(line: str) -> None:
+    """Print a line on stderr, once in a process: what does not work here, and why."""
+    if line in _said:
+        return
+    _said.add(line)
+    if _held is None:
+        print(f"course_kit: {line}", file=sys.stderr)
+    else:
+        _held.append(line)
+
+
+def hold() -> None:
+    """Have say() wait until release(): what a kernel says before its first cell, nobody sees."""
+    global _held
+    _held = []
+
+
+def release() -> None:
+    """Say what waits, and from now on at once."""
+    global _held
+    waiting, _held = _held or [], None
+    for line in waiting:
+        print(f"course_kit: {line}", file=sys.stderr)
 
 
 def package_version(package: str, prefixes: Iterable[str | Path] | None = None) -> str:

@@ -19,7 +19,7 @@ from typing import Any
 import rclpy
 from rclpy.node import Node
 
-from course_kit.internals import NotAsExpected, package_version
+from course_kit.internals import NotAsExpected, expect, package_version
 from course_kit.internals.fastdds_parts import GID_SIZE
 
 SERIES = {"rmw": "7.3.", "rcl": "9.2.", "rcutils": "6.7."}  # of Jazzy
@@ -178,6 +178,7 @@ class SerializedSubscription:
             c_void_p,
         )()
         self._node_handle = node.handle
+        expect("rclpy", self._node_handle, "pointer")
         with self._node_handle:
             rmw_node = _function("librcl.so", "rcl_node_get_rmw_handle", c_void_p, c_void_p)
             self._rmw_node = rmw_node(self._node_handle.pointer)

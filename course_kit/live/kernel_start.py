@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from course_kit import internals
 from course_kit.background import guards
 from course_kit.ending import shared_memory
 from course_kit.live import console, process_console
@@ -11,6 +12,10 @@ from course_kit.live import console, process_console
 
 def load_ipython_extension(shell: Any) -> None:
     """Put all of it in place. The kernels of the course's environment do so by themselves."""
+    internals.hold()
+    shell.events.register("pre_run_cell", lambda _: internals.release())
+    if said := internals.untried(internals.package_version("rclpy")):
+        internals.say(said)
     guards.install()
     console.attach()
     process_console.attach()

@@ -17,7 +17,6 @@ from rcl_interfaces.msg import Log
 from rclpy.clock import ClockType
 from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
-from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
@@ -27,6 +26,7 @@ from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 
 from course_kit.bags import qos as bag_qos
+from course_kit.internals.rclpy_parts import fast_executor, is_fast
 from course_kit.polling import wait_until
 from course_kit.spinning import executors
 from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, destroy, quiet_node, with_base
@@ -57,8 +57,7 @@ class LockStep:
         self._keep, self._timeout = keep, timeout
         self._subscribed: list[_Subscribed] = []
         self._publishers: dict[str, Publisher] = {}
-        self._executor: Executor = EventsExecutor(context=own)
-        self._is_fast = True
+        self._executor: Executor = fast_executor(own)
         self._player = quiet_node("replay", own)
         latched = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self._player.create_subscription(Log, "/rosout", self.logged.append, latched)
@@ -87,8 +86,7 @@ class LockStep:
         since it does not look at callback groups.
         """
         assert self.node is not None
-        if self._is_fast and (len(self._timers()) > 1 or executors.minds_groups(self.node)):
-            self._is_fast = False
+        if is_fast(self._executor) and (len(self._timers()) > 1 or executors.needs_usual_executor(self.node)):
             slower = SingleThreadedExecutor(context=self.context)
             for one in (self._player, self.node):
                 self._executor.remove_node(one)

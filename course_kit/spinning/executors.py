@@ -12,15 +12,12 @@ from typing import Any
 
 from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import Executor, ExternalShutdownException, ShutdownException, SingleThreadedExecutor
-from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
+from course_kit.internals.rclpy_parts import fast_executor, spin_some
 from course_kit.spinning import BlockingWait, NodeStopped
 from course_kit.spinning.nodes import destroy
-
-# EventsExecutor's spin() without a timeout runs no callback at all; with one, however long, it works.
-EVENTS_TIMEOUT = 3600.0
 
 
 def executor_for(node: Node) -> Executor:
@@ -32,12 +29,13 @@ def executor_for(node: Node) -> Executor:
     an action client or server: in rclpy 7.1.6 the EventsExecutor crashes when an action client gets an answer that
     was not for it.
     """
-    kind = SingleThreadedExecutor if minds_groups(node) else EventsExecutor
-    return kind(context=node.context)
+    if needs_usual_executor(node):
+        return SingleThreadedExecutor(context=node.context)
+    return fast_executor(node.context)
 
 
-def minds_groups(node: Node) -> bool:
-    """Whether a node needs an executor that looks at callback groups, or has an action."""
+def needs_usual_executor(node: Node) -> bool:
+    """Whether a node has something that the EventsExecutor does not do as the others."""
     if any(isinstance(waitable, ActionClient | ActionServer) for waitable in node.waitables):
         return True
     entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
@@ -80,10 +78,7 @@ class SpinThread:
     def _spin(self) -> None:
         while not self._stopping.done() and self.executor.context.ok():
             try:
-                if isinstance(self.executor, Executor):
-                    self.executor.spin_once()
-                else:
-                    self.executor.spin_until_future_complete(self._stopping, timeout_sec=EVENTS_TIMEOUT)
+                spin_some(self.executor, self._stopping)
             except (ExternalShutdownException, ShutdownException, NodeStopped):
                 return
             except Exception as error:

@@ -44,7 +44,7 @@ def construct(node_class: type[Node], args: Sequence[Any], kwargs: Mapping[str, 
     try:
         node_class.__init__(node, *args, **kwargs)
     except BaseException:
-        if hasattr(node, "_Node__node"):  # rclpy had got as far as the graph
+        if hasattr(node, "handle"):  # rclpy had got as far as the graph
             destroy(node)
         raise
     return node

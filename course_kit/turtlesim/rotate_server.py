@@ -30,6 +30,7 @@ class RotateServer(ActionServer):
     def __init__(self, node: Node, name: str, begin: Callable[[float], Rotation]) -> None:
         self.retired = self.used = False
         self._destroyed = False
+        self._server_node = node
         self._begin = begin
         self._goals: list[Goal] = []
         super().__init__(
@@ -73,7 +74,7 @@ class RotateServer(ActionServer):
             else:
                 handle.abort()
             result = RotateAbsolute.Result(delta=rotation.delta)
-            if self._node.executor is not None:  # else nobody is left to send it
+            if self._server_node.executor is not None:  # else nobody is left to send it
                 super().notify_execute(handle, lambda _, result=result: result)
 
     def destroy(self) -> None:

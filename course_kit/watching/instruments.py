@@ -14,10 +14,10 @@ from typing import Any
 
 from rclpy.client import Client
 from rclpy.executors import Executor
-from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from course_kit.internals.rclpy_parts import fast_executor
 from course_kit.polling import wait_until
 from course_kit.spinning import context, errors
 from course_kit.spinning.executors import SpinThread
@@ -147,7 +147,8 @@ def _make(start: int) -> _Instruments:
     def report(error: Exception) -> None:
         errors.report(made.get_fully_qualified_name(), error)
 
-    return _Instruments(start, made, Watcher(made, report), SpinThread(made, report, EventsExecutor()).start())
+    spinning = SpinThread(made, report, fast_executor(made.context)).start()
+    return _Instruments(start, made, Watcher(made, report), spinning)
 
 
 def stop() -> None:

@@ -10,16 +10,13 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import Any
 
-from rclpy.event_handler import QoSSubscriptionEventType
-from rclpy.guard_condition import GuardCondition
-from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
-from rclpy.type_support import check_is_valid_msg_type
 
+from course_kit.internals.rclpy_parts import Taker, reception
 from course_kit.watching import topics
 
 Callback = Callable[[bytes, dict[str, Any]], None]
@@ -27,7 +24,6 @@ Refused = Callable[[QoSPolicyKind], None]
 
 PAUSE = 0.001  # seconds: many messages for each look, at most this much delay
 BATCH = 5000  # messages taken from one subscription before the next one has its turn
-WAIT_NS = 500_000_000
 
 
 class RawSubscription:
@@ -57,7 +53,6 @@ class RawSubscription:
         self.closed = threading.Event()
         self._watcher = watcher
         self._qos = qos
-        check_is_valid_msg_type(message_type)  # loads the type support
         self._open()
 
     def __repr__(self) -> str:
@@ -71,11 +66,7 @@ class RawSubscription:
     @property
     def publisher_count(self) -> int:
         """How many publishers are matched."""
-        try:
-            with self._handle:
-                return int(self._handle.get_publisher_count())
-        except _rclpy.InvalidHandle:
-            return 0
+        return self.taker.publisher_count()
 
     def close(self, wait: bool = True) -> None:
         """End the subscription; what has arrived by now is still delivered. Safe from every thread, and twice."""
@@ -87,48 +78,27 @@ class RawSubscription:
     # What follows is called by the watcher.
 
     def _open(self) -> None:
-        node = self._watcher.node
+        node, reception = self._watcher.node, self._watcher.reception
         try:
-            with node.handle:
-                handle = _rclpy.Subscription(node.handle, self.message_type, self.topic, self._qos.get_c_qos_profile())
-        except _rclpy.RCLError:
+            self.taker: Taker = reception.open(node, self.message_type, self.topic, self._qos)
+        except RuntimeError:
             if self.type in dict(node.get_topic_names_and_types()).get(self.topic, [self.type]):
                 raise
             raise TypeError(
                 f"{self.topic} is used in this process with another type than {self.type}, and a topic has one type"
             ) from None
-        kinds = QoSSubscriptionEventType
-        with handle:
-            refused = _rclpy.EventHandle(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS)
-            missed = _rclpy.EventHandle(handle, kinds.RCL_SUBSCRIPTION_MESSAGE_LOST)
-        self._handle, self._refused, self._missed = handle, refused, missed
-        self._handles = (refused, missed, handle)  # in the order in which they end
         self._lost_before = self.lost
 
     def finish(self) -> None:
         """Destroy it for good and release who waits for that."""
-        _destroy(self._handles)
+        self.taker.destroy()
         self.closed.set()
-
-    @contextlib.contextmanager
-    def in_use(self) -> Any:
-        """Keeps the handles alive while a wait set refers to them."""
-        with self._handle, self._refused, self._missed:
-            yield
-
-    def add_to(self, wait_set: Any) -> tuple[int, int, int]:
-        """Add the subscription and its events; return their places in the wait set."""
-        return (
-            wait_set.add_subscription(self._handle),
-            wait_set.add_event(self._refused),
-            wait_set.add_event(self._missed),
-        )
 
     def drain(self, on_error: Callable[[Exception], None], limit: int = BATCH) -> None:
         """Hand over what has arrived, `limit` messages at most."""
-        take, message_type, callback = self._handle.take_message, self.message_type, self.callback
+        take, callback = self.taker.take, self.callback
         for _ in range(limit):
-            taken = take(message_type, True)
+            taken = take()
             if taken is None:
                 return
             try:
@@ -138,11 +108,11 @@ class RawSubscription:
 
     def count_lost(self) -> None:
         """Add what the middleware says it has lost."""
-        self.lost = self._lost_before + int(self._missed.take_event().total_count)
+        self.lost = self._lost_before + self.taker.lost_count()
 
     def follow_publisher(self, on_error: Callable[[Exception], None]) -> None:
         """A publisher offers less than this subscription asks for: say so, or ask for less, then it delivers too."""
-        policy = self._refused.take_event().last_policy_kind
+        policy = self.taker.refused_policy()
         if self._on_refused is not None:
             self._on_refused(policy)
             return
@@ -153,19 +123,13 @@ class RawSubscription:
         else:
             return
         self.drain(on_error)
-        before = self._handles
+        before = self.taker
         try:
             self._open()
         except Exception as error:  # what came until now goes on coming, of this topic and of the others
             on_error(error)
         else:
-            _destroy(before)
-
-
-def _destroy(handles: Iterable[Any]) -> None:
-    """Have the middleware end a subscription once nothing takes from it."""
-    for handle in handles:
-        handle.destroy_when_not_in_use()
+            before.destroy()
 
 
 class Watcher:
@@ -178,7 +142,7 @@ class Watcher:
         self._stopping = False
         self._lock = threading.Lock()
         self._subscriptions: tuple[RawSubscription, ...] = ()
-        self._guard = GuardCondition(None, None, node.context)
+        self.reception = reception(node.context, f"_{node.get_name()}_reception")
         self._context.on_shutdown(self.wake)
         self._thread = threading.Thread(target=self._run, name="course_kit watcher", daemon=True)
         self._thread.start()
@@ -204,8 +168,8 @@ class Watcher:
 
     def wake(self) -> None:
         """Have the thread look at its subscriptions anew."""
-        with contextlib.suppress(Exception):  # the guard condition goes with the thread
-            self._guard.trigger()
+        with contextlib.suppress(Exception):  # it goes with the thread
+            self.reception.wake()
 
     def stop(self) -> None:
         """End the thread and every subscription."""
@@ -228,35 +192,25 @@ class Watcher:
                 remaining, self._subscriptions = self._subscriptions, ()
             for subscription in remaining:
                 subscription.finish()
-            self._guard.destroy()
+            self.reception.close()
 
     def _goes_on(self) -> bool:
         return not self._stopping and self._context.ok()
 
     def _watch(self, subscriptions: tuple[RawSubscription, ...]) -> None:
         """Deliver messages of these subscriptions until one is added, closed or must ask for another QoS."""
-        count = len(subscriptions)
         refused: RawSubscription | None = None
-        with contextlib.ExitStack() as in_use:
-            for subscription in subscriptions:
-                in_use.enter_context(subscription.in_use())
-            wait_set = _rclpy.WaitSet(count, 1, 0, 0, 0, 2 * count, self._context.handle)
-            in_use.enter_context(self._guard.handle)
-            in_use.enter_context(wait_set)
+        with self.reception.looks_at([one.taker for one in subscriptions]) as look:
             while refused is None and self._subscriptions is subscriptions and self._goes_on():
+                for subscription, ready in zip(subscriptions, look(), strict=True):
+                    if ready.messages:
+                        subscription.drain(self._on_error)
+                    if ready.lost:
+                        subscription.count_lost()
+                    if ready.refused:
+                        refused = subscription
                 if any(s.closing for s in subscriptions):
                     break
-                wait_set.clear_entities()
-                wait_set.add_guard_condition(self._guard.handle)
-                places = [(s, *s.add_to(wait_set)) for s in subscriptions]
-                wait_set.wait(WAIT_NS)
-                for subscription, place, refusal, loss in places:
-                    if wait_set.is_ready("subscription", place):
-                        subscription.drain(self._on_error)
-                    if wait_set.is_ready("event", loss):
-                        subscription.count_lost()
-                    if wait_set.is_ready("event", refusal):
-                        refused = subscription
                 time.sleep(PAUSE)
         if refused is not None:
             refused.follow_publisher(self._on_error)
@@ -266,6 +220,5 @@ class Watcher:
             closed = [s for s in self._subscriptions if s.closing]
             self._subscriptions = tuple(s for s in self._subscriptions if not s.closing)
         for subscription in closed:
-            with subscription.in_use():
-                subscription.drain(self._on_error, limit=topics.DEPTH)
+            subscription.drain(self._on_error, limit=topics.DEPTH)
             subscription.finish()
