@@ -15,3 +15,9 @@ def shell() -> Any | None:
 def in_kernel() -> bool:
     """Whether cells of a notebook run in this process."""
     return hasattr(shell(), "kernel")
+
+
+def request() -> dict[str, Any]:
+    """The request to run the present cell, as Jupyter's messages have it; empty outside of a kernel."""
+    running: Any = shell()
+    return running.get_parent() if in_kernel() else {}

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -182,3 +185,10 @@ def test_a_bad_path_and_the_end_of_ros_are_survived(kernel: Kernel) -> None:
     kernel.run("view = watch_rates(period=0.1); panel = watch_logs(); used = watch_resources(period=0.1)")
     kernel.run("from course_kit.spinning import context; context.stop()", 30)
     assert value(kernel, "view.is_running, used.is_running") == "False False"
+
+
+def test_a_node_runs_in_ipython_without_a_kernel_too() -> None:
+    cells = "from rclpy.node import Node\nfrom course_kit import run\nrun(Node, 'plain');\n"
+    ipython = Path(sys.executable).with_name("ipython")
+    done = subprocess.run([ipython, "--no-banner"], input=cells, capture_output=True, text=True, timeout=60)
+    assert "▶ /plain running" in done.stdout and "Error" not in done.stdout

@@ -5,11 +5,10 @@ from __future__ import annotations
 import html
 import threading
 from collections import deque
-from typing import Any
 
-from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
+from course_kit import kernel
 from course_kit.background import running
 from course_kit.node_logs import rosout
 from course_kit.spinning import context, errors
@@ -97,9 +96,7 @@ def _on_event(event: str, name: str) -> None:
 
 def current_cell() -> str:
     """What identifies the cell that runs now: the id of the request to run it."""
-    shell: Any = get_ipython()
-    request = shell.get_parent() if shell is not None else {}
-    return str(request.get("header", {}).get("msg_id"))
+    return str(kernel.request().get("header", {}).get("msg_id"))
 
 
 def _on_error(error: errors.CallbackError) -> None:

@@ -9,9 +9,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
+from course_kit import kernel
 from course_kit.figures import SCREEN_DPI, Plot
 from course_kit.live.life import Life, stop_all
 from course_kit.text import stands_still
@@ -72,8 +72,7 @@ class LiveView(Life):
 
 def _cell() -> tuple[str, str]:
     """What identifies the cell that runs now, also when it is run again, and this run of it; empty elsewhere."""
-    shell: Any = get_ipython()
-    request = shell.get_parent() if hasattr(shell, "get_parent") else {}
+    request = kernel.request()
     return str(request.get("metadata", {}).get("cellId", "")), str(request.get("header", {}).get("msg_id", ""))
 
 
