@@ -20,7 +20,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from course_kit import logs, nodes, run, running, stop, wait_for
-from course_kit.spinning import BlockingWait, NodeAlreadyRuns, errors
+from course_kit.spinning import BlockingWait, NodeAlreadyRuns, context, errors
 
 
 class Talker(Node):
@@ -238,6 +238,42 @@ def test_an_exception_in_a_callback_is_kept_and_the_other_nodes_go_on():
 def goes_on_calling(node) -> bool:
     before = node.calls
     return bool(wait_for(lambda: node.calls > before))
+
+
+class Informed(Node):
+    """Hears itself, with what the middleware says of each message."""
+
+    def __init__(self) -> None:
+        super().__init__("informed")
+        self.publisher = self.create_publisher(String, "chatter", 10)
+        self.infos: list[dict] = []
+        self.create_timer(0.01, lambda: self.publisher.publish(String(data="x")))
+
+    def hear(self, _: String, info: dict) -> None:
+        self.infos.append(info)
+
+
+@pytest.mark.parametrize("executor", [None, SingleThreadedExecutor, MultiThreadedExecutor])
+def test_a_callback_with_a_second_argument_gets_the_message_info(executor):
+    class FromTheStart(Informed):
+        def __init__(self) -> None:
+            super().__init__()
+            self.create_subscription(String, "chatter", self.hear, 10)  # type: ignore[arg-type]
+
+    context.start()
+    node = run(FromTheStart, executor=executor and executor())
+    wait_for(lambda: len(node.infos) > 3)
+    assert node.infos[0]["received_timestamp"] > node.infos[0]["source_timestamp"] > 0
+    assert errors.errors() == []
+
+
+def test_so_does_one_that_comes_when_the_node_runs_already():
+    node = run(Informed)
+    node.create_subscription(String, "chatter", node.hear, 10)
+    wait_for(lambda: len(node.infos) > 3)
+    assert errors.errors() == []
+    stop(node)
+    assert nodes() == []
 
 
 def test_a_callback_that_blocks_stalls_its_own_node_only():

@@ -15,7 +15,7 @@ from rclpy.executors import Executor, ExternalShutdownException, ShutdownExcepti
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.internals.rclpy_parts import fast_executor, spin_some
+from course_kit.internals.rclpy_parts import fast_executor, is_fast, spin_some
 from course_kit.spinning import BlockingWait, NodeStopped
 from course_kit.spinning.nodes import destroy
 
@@ -27,7 +27,7 @@ def executor_for(node: Node) -> Executor:
     threads, but does not look at callback groups. In one thread they matter to `async def` callbacks alone, so a
     node that has one gets the SingleThreadedExecutor, and waits here where it would wait on a robot. So does one with
     an action client or server: in rclpy 7.1.6 the EventsExecutor crashes when an action client gets an answer that
-    was not for it.
+    was not for it. And so does one with a callback that takes message info, at which it fails.
     """
     if needs_usual_executor(node):
         return SingleThreadedExecutor(context=node.context)
@@ -39,7 +39,17 @@ def needs_usual_executor(node: Node) -> bool:
     if any(isinstance(waitable, ActionClient | ActionServer) for waitable in node.waitables):
         return True
     entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
-    return any(inspect.iscoroutinefunction(entity.callback) for entity in entities)
+    return any(inspect.iscoroutinefunction(entity.callback) for entity in entities) or _takes_info(node)
+
+
+def _takes_info(node: Node) -> bool:
+    """Whether a subscription has a callback that takes the message and its info, found out as rclpy does."""
+    for subscription in node.subscriptions:
+        try:
+            inspect.signature(subscription.callback).bind(object())
+        except TypeError:
+            return True
+    return False
 
 
 class SpinThread:
@@ -84,7 +94,16 @@ class SpinThread:
             except Exception as error:
                 if self._stopping.done():
                     return
-                self._on_error(error)
+                if isinstance(error, SystemError) and is_fast(self.executor) and _takes_info(self.node):
+                    self._change_executor()  # it was made for a node without such a subscription
+                else:
+                    self._on_error(error)
+
+    def _change_executor(self) -> None:
+        before, self.executor = self.executor, executor_for(self.node)
+        before.remove_node(self.node)
+        before.shutdown(timeout_sec=0.5)
+        self.executor.add_node(self.node)
 
     def stop(self, timeout: float = 1.0) -> bool:
         """End the thread; return whether it ended within `timeout` seconds or so.
