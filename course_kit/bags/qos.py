@@ -54,16 +54,12 @@ def to_offer(profiles: Sequence[Qos]) -> QoSProfile:
     if first is None or any(profile._replace(depth=first.depth) != first for profile in profiles):
         return QoSProfile(depth=DEPTH)
     is_latched = first.durability.name == "TRANSIENT_LOCAL"
-    liveliness = LivelinessPolicy.AUTOMATIC
-    if first.liveliness.name == "MANUAL_BY_TOPIC":
-        liveliness = LivelinessPolicy.MANUAL_BY_TOPIC
+    is_best_effort, is_manual = first.reliability.name == "BEST_EFFORT", first.liveliness.name == "MANUAL_BY_TOPIC"
     return QoSProfile(
         depth=LATCHED_DEPTH if is_latched else DEPTH,
-        reliability=(
-            ReliabilityPolicy.BEST_EFFORT if first.reliability.name == "BEST_EFFORT" else ReliabilityPolicy.RELIABLE
-        ),
+        reliability=ReliabilityPolicy.BEST_EFFORT if is_best_effort else ReliabilityPolicy.RELIABLE,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if is_latched else DurabilityPolicy.VOLATILE,
-        liveliness=liveliness,
+        liveliness=LivelinessPolicy.MANUAL_BY_TOPIC if is_manual else LivelinessPolicy.AUTOMATIC,
         deadline=_duration(first.deadline),
         lifespan=_duration(first.lifespan),
         liveliness_lease_duration=_duration(first.liveliness_lease_duration),

@@ -80,15 +80,14 @@ class BagWriter:
         topic: str,
         type_name: str,
         qos: Sequence[Qos] = (),
-        text: str | None = None,
         digest: str | None = None,
     ) -> None:
-        """Make a topic known, with the profiles of its publishers; definition and hash are looked up if not given."""
+        """Make a topic known, with the profiles of its publishers; its type's hash is looked up if not given."""
         connection = Connection(
             len(self._connections) + 1,
             topic,
             type_name,
-            MessageDefinition(MessageDefinitionFormat.MSG, definition(type_name) if text is None else text),
+            MessageDefinition(MessageDefinitionFormat.MSG, definition(type_name)),
             type_hash(type_name) if digest is None else digest,
             0,
             ConnectionExtRosbag2("cdr", list(qos)),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 from course_kit.figures import Plot, style
 from course_kit.live.view import LONGEST, Bundle, LiveView, as_picture
 from course_kit.recordings.recording import record
@@ -25,8 +27,7 @@ def watch_values(
         raise TypeError("give paths of numbers, such as '/turtle1/pose.x'")
     types = value_series.live_types(wanted, timeout)
     value_series.readers(wanted, types)
-    named = [item for topic, message_type in types.items() for item in (topic, message_type)]
-    recording = record(*named, keep=KEPT)
+    recording = record(*itertools.chain(*types.items()), keep=KEPT)
 
     def draw() -> Bundle:
         now = recording.duration

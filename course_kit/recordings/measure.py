@@ -13,6 +13,7 @@ import numpy.typing as npt
 from course_kit.recordings.buffers import Int64s
 
 Float64s = npt.NDArray[np.float64]
+BINS = 100  # spans of time in which a rate over time is told
 WINDOW = 10_000  # messages; that of `ros2 topic hz`
 
 
@@ -78,16 +79,16 @@ def measure(receive_ns: Int64s, sizes: Int64s, total: int | None = None, now_ns:
     )
 
 
-def rate_over_time(receive_ns: Int64s, bins: int = 100) -> tuple[Float64s, Float64s]:
-    """The rate in equal spans of time: edges in seconds since the first message, (bins + 1,), and Hz, (bins,).
+def rate_over_time(receive_ns: Int64s) -> tuple[Float64s, Float64s]:
+    """The rate in equal spans of time: edges in seconds since the first message, (spans + 1,), and Hz, (spans,).
 
     A message counts for the span before it in proportion, so a steady topic gives a level line and not a comb.
-    There are fewer bins if there are fewer than 10 messages for each. Raises ValueError below two messages.
+    There are fewer spans if there are fewer than 10 messages for each. Raises ValueError below two messages.
     """
     if len(receive_ns) < 2 or receive_ns[-1] == receive_ns[0]:
         raise ValueError(f"a rate needs two messages, and there are {len(receive_ns)}")
     seconds = np.asarray((receive_ns - receive_ns[0]) * 1e-9, np.float64)
-    count = max(1, min(bins, (len(seconds) - 1) // 10))
+    count = max(1, min(BINS, (len(seconds) - 1) // 10))
     edges = np.linspace(0.0, seconds[-1], count + 1)
     arrived = np.interp(edges, seconds, np.arange(len(seconds)))
     return edges, np.diff(arrived) / np.diff(edges)

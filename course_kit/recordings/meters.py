@@ -170,9 +170,9 @@ def rates(*wanted: Any, seconds: float = 2.0, window: int = WINDOW, timeout: flo
 
 def _published(timeout: float) -> list[str]:
     """The topics that nodes publish, without those every node has."""
-    if not wait_until(published_now, timeout):
-        raise TimeoutError(f"no node publishes anything (waited {timeout:g} s): is one running, in this ROS_DOMAIN_ID?")
-    return sorted(published_now())
+    if there := wait_until(published_now, timeout):
+        return sorted(there)
+    raise TimeoutError(f"no node publishes anything (waited {timeout:g} s): is one running, in this ROS_DOMAIN_ID?")
 
 
 def published_now() -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-Float64s = npt.NDArray[np.float64]
+from course_kit.recordings.measure import Float64s
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def track(messages: Iterable[Any], type_name: str, times: Float64s, stamps: Floa
         raise ValueError(f"{type_name} carries no pose: there is a track in {', '.join(READERS)}")
     rows = np.array([READERS[type_name](message) for message in messages], np.float64)
     columns = rows.reshape(len(rows), -1).T
-    if type_name == "turtlesim/msg/Pose" or type_name == "nav_msgs/msg/Odometry":
+    if len(columns) == 5:  # it says its velocities
         x, y, heading, linear, angular = columns
     else:
         x, y, heading = columns

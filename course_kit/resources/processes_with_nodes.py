@@ -7,6 +7,7 @@ process's own ids each time; a process is believed only if it has a port of the 
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -46,15 +47,10 @@ def node_processes() -> list[NodeProcess]:
     origins = _origins(node)
     own = _own_origin(node)
     found: dict[tuple[int | None, str], list[str]] = {}
-    cache: dict[Origin, tuple[int | None, str]] = {}
+    domain, place_of = node.context.get_domain_id(), functools.cache(_process_of)
     for name in graph.nodes(node):
         origin = origins.get(name.full_name)
-        if origin is None or own is None:
-            place: tuple[int | None, str] = (None, UNKNOWN)
-        else:
-            if origin not in cache:
-                cache[origin] = _process_of(origin, own, node.context.get_domain_id())
-            place = cache[origin]
+        place = (None, UNKNOWN) if origin is None or own is None else place_of(origin, own, domain)
         found.setdefault(place, []).append(name.full_name)
     listed = [NodeProcess(program, pid, tuple(names)) for (pid, program), names in found.items()]
     return sorted(listed, key=lambda one: (one.program != NOTEBOOK, one.pid is None, one.nodes))

@@ -16,16 +16,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 import psutil  # type: ignore[import-untyped]
 
 from course_kit.background import running
-from course_kit.recordings.buffers import Int64s
+from course_kit.recordings.measure import Float64s, Int64s
 from course_kit.resources.processes_with_nodes import NOTEBOOK, NodeProcess, node_processes
 from course_kit.spinning import context
 from course_kit.text import stands_still, table
 
-Float64s = npt.NDArray[np.float64]
 PERIOD = 0.5  # seconds between two looks
 SHORTEST = 40_000_000  # nanoseconds that a sample is about at least: the system counts CPU in steps of 0.01 s
 LOOK_PERIOD = 2.0  # seconds between two looks at who is there

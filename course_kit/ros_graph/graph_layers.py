@@ -143,10 +143,10 @@ def _spread(boxes: dict[str, Box], of_box: dict[str, list[Line]], max_levels: in
         last = max(last, 2 * max_levels - 3)
     for members in sorted(together, key=lambda keys: (-len(keys), natural(keys[0]))):
         right = max(boxes[key].layer for key in members)
-        room: list[tuple[float, int]] = []
-        for shift in range(0, max(last - right, 0) + 1, 2):
-            room.append((round(max(filled[boxes[k].group, boxes[k].layer + shift] for k in members), 3), shift))
-        shift = min(room)[1]
+        _, shift = min(
+            (round(max(filled[boxes[k].group, boxes[k].layer + shift] for k in members), 3), shift)
+            for shift in range(0, max(last - right, 0) + 1, 2)
+        )
         for key in members:
             boxes[key].layer += shift
             filled[boxes[key].group, boxes[key].layer] += boxes[key].height + ROW_GAP

@@ -12,7 +12,7 @@ from rclpy.parameter import parameter_value_to_python
 
 from course_kit.polling import wait_until
 from course_kit.ros_graph import graph
-from course_kit.ros_graph.graph_data import GraphNode, Parameter, Snapshot
+from course_kit.ros_graph.graph_data import Parameter, Snapshot
 from course_kit.watching.instruments import client_of
 
 TIMEOUT = 2.0  # seconds for all nodes to answer
@@ -21,7 +21,7 @@ EVERYWHERE = frozenset({"use_sim_time", "start_type_description_service"})
 OVERRIDES = "qos_overrides."
 
 
-def with_parameters(shown: Snapshot, node: Node, hidden: bool = False, timeout: float = TIMEOUT) -> Snapshot:
+def with_parameters(shown: Snapshot, node: Node, hidden: bool = False) -> Snapshot:
     """The snapshot with the parameters of its nodes; None for those that have no such service or do not answer.
 
     `node` asks; it must be spun meanwhile. Left out unless `hidden`: those that every node has, where they have their
@@ -32,16 +32,12 @@ def with_parameters(shown: Snapshot, node: Node, hidden: bool = False, timeout: 
     served = graph.services(node, with_hidden=True)
     # Where two nodes share a name nobody can tell which of them answers.
     asked = [n.name for n in shown.nodes if n.count == 1 and f"{n.name}/list_parameters" in served]
-    listed = _ask(node, ListParameters, "list_parameters", {name: ListParameters.Request() for name in asked}, timeout)
+    listed = _ask(node, ListParameters, "list_parameters", {name: ListParameters.Request() for name in asked})
     names = {name: sorted(answer.result.names) for name, answer in listed.items()}
     requests = {name: GetParameters.Request(names=of_node) for name, of_node in names.items()}
-    values = _ask(node, GetParameters, "get_parameters", requests, timeout)
+    values = _ask(node, GetParameters, "get_parameters", requests)
     found = {name: _parameters(names[name], answer.values, hidden) for name, answer in values.items()}
-    return replace(shown, nodes=tuple(_with(one, found) for one in shown.nodes))
-
-
-def _with(one: GraphNode, found: dict[str, tuple[Parameter, ...]]) -> GraphNode:
-    return replace(one, parameters=found.get(one.name))
+    return replace(shown, nodes=tuple(replace(one, parameters=found.get(one.name)) for one in shown.nodes))
 
 
 def _parameters(names: list[str], values: Any, hidden: bool) -> tuple[Parameter, ...]:
@@ -56,7 +52,7 @@ def _parameters(names: list[str], values: Any, hidden: bool) -> tuple[Parameter,
     return tuple(made)
 
 
-def _ask(node: Node, service_type: Any, service: str, requests: dict[str, Any], timeout: float) -> dict[str, Any]:
+def _ask(node: Node, service_type: Any, service: str, requests: dict[str, Any]) -> dict[str, Any]:
     """The answers by node; those that did not come in time are missing."""
     futures: dict[str, Any] = {}
     with ExitStack() as stack:
@@ -68,6 +64,6 @@ def _ask(node: Node, service_type: Any, service: str, requests: dict[str, Any], 
                     futures[name] = client.call_async(requests[name])
             return len(futures) == len(clients) and all(future.done() for future in futures.values())
 
-        wait_until(all_answered, timeout)
+        wait_until(all_answered, TIMEOUT)
         done = {name: future for name, future in list(futures.items()) if future.done()}
         return {name: answer for name, future in done.items() if (answer := future.result()) is not None}

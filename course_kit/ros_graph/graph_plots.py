@@ -190,10 +190,10 @@ def _draw_shape(axes: Axes, kind: str, x: float, y: float, width: float, height:
             axes.add_patch(Rectangle((x + 0.03, y + 0.03), width - 0.06, height - 0.06, **inner))
 
 
-def _wire_look(wire: Wire, tint: str = WIRE) -> dict[str, Any]:
-    if wire.is_broken:
+def _wire_look(is_reliable: bool, is_broken: bool = False, tint: str = WIRE) -> dict[str, Any]:
+    if is_broken:
         return {"color": TROUBLE, "linewidth": 1.6, "linestyle": (0, (4, 2.5))}
-    return {"color": tint, "linewidth": 1.1, "linestyle": "-" if wire.reliable else (0, (1, 1.6))}
+    return {"color": tint, "linewidth": 1.1, "linestyle": "-" if is_reliable else (0, (1, 1.6))}
 
 
 def _draw_wire(axes: Axes, wire: Wire, tint: str) -> None:
@@ -207,7 +207,7 @@ def _draw_wire(axes: Axes, wire: Wire, tint: str) -> None:
             middle = (one[0] + other[0]) / 2
             path += [(middle, one[1]), (middle, other[1]), other]
             codes += [Path.CURVE4] * 3
-    look = _wire_look(wire, tint)
+    look = _wire_look(wire.reliable, wire.is_broken, tint)
     axes.add_patch(PathPatch(Path(path, codes), facecolor="none", edgecolor=look.pop("color"), zorder=1, **look))
     x, y = points[-1]
     ahead = 0.08 if x > points[-3][0] else -0.08
@@ -218,23 +218,19 @@ def _draw_wire(axes: Axes, wire: Wire, tint: str) -> None:
         axes.plot([x], [y], marker="s", markersize=4.5, color=colour, zorder=4)
 
 
-Legend = list[tuple[str, Any]]
+Legend = list[tuple[str, dict[str, Any] | str]]  # names; how their lines look, or what stands there
 
 
 def _legend(made: list[Card], wires: list[Wire]) -> Legend:
     """What the picture has of each kind."""
     kinds = {card.kind for card in made}
+    connected = {wire.reliable for wire in wires if wire.line.box.startswith("topic ") and not wire.is_broken}
     found: Legend = [(kind, kind) for kind in LOOKS if kind in kinds]
-    ends = {(wire.reliable, wire.is_broken) for wire in wires if wire.line.box.startswith("topic ")}
-    if any(not broken for _, broken in ends):
-        if (True, False) in ends:
-            found.append(("reliable", Wire(wires[0].line, True, False, False)))
-        if (False, False) in ends:
-            found.append(("best effort", Wire(wires[0].line, False, False, False)))
+    found += [(name, _wire_look(how)) for name, how in (("reliable", True), ("best effort", False)) if how in connected]
     if any(wire.latched for wire in wires):
         found.append(("transient local", "latched"))
     if any(wire.is_broken for wire in wires):
-        found.append(("does not match", Wire(wires[0].line, True, False, True)))
+        found.append(("does not match", _wire_look(True, is_broken=True)))
     return found
 
 
@@ -247,8 +243,8 @@ def _legend_width(legend: Legend) -> float:
 
 def _draw_legend(axes: Axes, legend: Legend, x: float, y: float) -> None:
     for name, what in legend:
-        if isinstance(what, Wire):
-            axes.add_line(Line2D([x, x + SWATCH], [y, y], **_wire_look(what)))
+        if isinstance(what, dict):
+            axes.add_line(Line2D([x, x + SWATCH], [y, y], **what))
         elif what == "latched":
             axes.plot([x + SWATCH / 2], [y], marker="s", markersize=4, color=WIRE)
         else:

@@ -155,17 +155,9 @@ def _draw_layer(axes: Axes, one: Layer, colour: str) -> Any:
         axes.plot(x[-1:], y[-1:], "s", color=colour, markeredgecolor=PANEL, markersize=7, zorder=4)
         return handle
     _draw_arrows(axes, one.poses, colour)
-    return axes.plot(
-        x,
-        y,
-        "o",
-        color=colour,
-        markeredgecolor=PANEL,
-        markeredgewidth=0.6,
-        markersize=8 if len(x) == 1 else 4,
-        label=name,
-        zorder=5 + (len(x) == 1),
-    )[0]
+    size, order = (8, 6) if len(x) == 1 else (4, 5)
+    edge: dict[str, Any] = {"markeredgecolor": PANEL, "markeredgewidth": 0.6}
+    return axes.plot(x, y, "o", color=colour, markersize=size, label=name, zorder=order, **edge)[0]
 
 
 def _draw_arrows(axes: Axes, poses: Float64s, colour: str) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import itertools
 import math
 import os
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -93,8 +94,7 @@ def values(*paths: str, source: Source | None = None, seconds: float = 2.0, time
         return from_bag(wanted, source)
     types = live_types(wanted, timeout)
     readers(wanted, types)  # refuses a bad path before it takes time to record
-    named = [item for topic, message_type in types.items() for item in (topic, message_type)]
-    return from_recording(wanted, record(*named, seconds=seconds, timeout=timeout))
+    return from_recording(wanted, record(*itertools.chain(*types.items()), seconds=seconds, timeout=timeout))
 
 
 def live_types(wanted: list[FieldPath], timeout: float) -> dict[str, Any]:

@@ -111,8 +111,7 @@ def wait_for_type(node: Node, topic: str, timeout: float) -> str:
 
     Raises TimeoutError if none comes, TypeError if the topic carries two types.
     """
-    wait_until(lambda: _types(node, topic), timeout)
-    types = _types(node, topic)
+    types = wait_until(lambda: _types(node, topic), timeout)
     if not types:
         raise TimeoutError(f"no node publishes {topic} (waited {timeout:.3g} s).{_hint(node, topic)}")
     if len(types) > 1:
