@@ -103,7 +103,7 @@ def test_what_is_wrong_is_found_in_its_module(changes, found):
 
 
 def test_warnings_fail_a_check_only_when_they_are_included():
-    found = {name: check(system(topics=[Topic("/a", 1, 0)])) for name, check in checks.CHECKS.items()}
+    found = {name: list(check(system(topics=[Topic("/a", 1, 0)]))) for name, check in checks.CHECKS.items()}
     assert checks.failed(found, include_warnings=False) == []
     assert checks.failed(found, include_warnings=True) == ["topic"]
     assert checks.summary(5, ["topic"]) == "\n1/5 check(s) failed\n\nFailed modules: topic"

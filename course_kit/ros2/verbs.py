@@ -107,16 +107,3 @@ NODE = all_of(
     flag("-s --use-sim-time", "go by the time on /clock"),
 )
 GRAPH = all_of(NODE, flag("--no-daemon", "accepted: there is no daemon here"))
-
-
-def add_flag(parser: Any, names: str, help: str) -> None:
-    """An option without a value."""
-    flag(names, help)(parser)
-
-
-def add_offered(parser: Any, name: str, offer: Callable[..., list[str]], help: str, **options: Any) -> None:
-    """An argument for which Tab offers what a completer knows."""
-    argument(name, help, offer, **options)(parser)
-
-
-add_duration_argument = duration

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 # Topics that every node has, and that need no partner.
@@ -34,17 +34,15 @@ class Interface:
     broadcast: str | None = None
 
 
-@dataclass(frozen=True)
-class Distribution:
-    """A ROS 2 distribution as its index lists it."""
-
-    name: str
-    status: str
-    platforms: Mapping[str, Sequence[str]]
-
-
 # What the index says of the distribution that the course is for; it is not looked up, for that takes a network.
-KNOWN = {"jazzy": Distribution("jazzy", "active", {"debian": ["bookworm"], "rhel": ["9"], "ubuntu": ["noble"]})}
+KNOWN: dict[str, dict[str, object]] = {
+    "jazzy": {
+        "distribution name": "jazzy",
+        "distribution type": "ros2",
+        "distribution status": "active",
+        "release platforms": {"debian": ["bookworm"], "rhel": ["9"], "ubuntu": ["noble"]},
+    }
+}
 RCLPY_VERSIONS = {"7.1": "jazzy"}  # what tells the distribution where ROS_DISTRO is not set: the wheels' versions
 
 
@@ -67,11 +65,6 @@ class Pair:
     subscriber: str
     reason: str = ""
 
-    @property
-    def is_error(self) -> bool:
-        """Whether nothing can go from one to the other."""
-        return self.reason.startswith("ERROR")
-
 
 @dataclass(frozen=True)
 class System:
@@ -84,68 +77,51 @@ class System:
     topics: Sequence[Topic]
     pairs: Sequence[Pair]
 
-    @property
-    def distribution(self) -> Distribution | None:
-        """What is known of the distribution."""
-        return KNOWN.get(self.distro)
 
-
-def network(system: System) -> list[Finding]:
+def network(system: System) -> Iterator[Finding]:
     """Whether there is a loopback interface, another one, and one for multicast."""
     flags = [set(interface.flags.split(",")) for interface in system.interfaces]
-    findings = []
     if not any("loopback" in f for f in flags):
-        findings.append(Finding("No loopback IP address is found.", is_error=True))
+        yield Finding("No loopback IP address is found.", is_error=True)
     if all("loopback" in f for f in flags):
-        findings.append(Finding("Only loopback IP address is found."))
+        yield Finding("Only loopback IP address is found.")
     if not any("multicast" in f for f in flags):
-        findings.append(Finding("No multicast IP address is found."))
-    return findings
+        yield Finding("No multicast IP address is found.")
 
 
-def package(system: System) -> list[Finding]:
+def package(system: System) -> Iterator[Finding]:
     """Whether packages are found, with their versions."""
     if not system.packages:
-        return [Finding("local package info is not found.", is_error=True)]
-    without = [name for name, version in system.packages.items() if not version]
-    if not without:
-        return []
-    names = " ".join(without)
-    shortened = names if len(names) <= 100 else f"{names[:95].rsplit(' ', 1)[0]} [...]"
-    return [
-        Finding(f"Cannot find local versions of packages: {shortened}. Use `ros2 doctor --report` to see full list.")
-    ]
+        yield Finding("local package info is not found.", is_error=True)
+    if names := " ".join(name for name, version in system.packages.items() if not version):
+        shown = names if len(names) <= 100 else f"{names[:95].rsplit(' ', 1)[0]} [...]"
+        yield Finding(f"Cannot find local versions of packages: {shown}. Use `ros2 doctor --report` to see full list.")
 
 
-def platform(system: System) -> list[Finding]:
+def platform(system: System) -> Iterator[Finding]:
     """Whether the distribution is known and supported."""
     if not system.distro:
-        return [Finding("ROS_DISTRO is not set.", is_error=True)]
-    if system.distribution is None:
-        return [Finding(f"Distribution name {system.distro} is not found", is_error=True)]
-    return []
+        yield Finding("ROS_DISTRO is not set.", is_error=True)
+    elif system.distro not in KNOWN:
+        yield Finding(f"Distribution name {system.distro} is not found", is_error=True)
 
 
-def middleware(system: System) -> list[Finding]:
+def middleware(system: System) -> Iterator[Finding]:
     """Publishers and subscriptions whose QoS does not fit."""
-    findings = []
     for pair in system.pairs:
         if pair.reason:
             kind, _, reason = pair.reason.partition(": ")
             text = f"QoS compatibility {kind.lower()} found on topic '{pair.topic}': {reason}"
-            findings.append(Finding(text, pair.is_error))
-    return findings
+            yield Finding(text, kind == "ERROR")
 
 
-def topic(system: System) -> list[Finding]:
+def topic(system: System) -> Iterator[Finding]:
     """Topics that only publishers have, or only subscriptions."""
-    findings = []
     for one in system.topics:
         if one.publishers and not one.subscribers:
-            findings.append(Finding(f"Publisher without subscriber detected on {one.name}."))
+            yield Finding(f"Publisher without subscriber detected on {one.name}.")
         elif one.subscribers and not one.publishers:
-            findings.append(Finding(f"Subscriber without publisher detected on {one.name}."))
-    return findings
+            yield Finding(f"Subscriber without publisher detected on {one.name}.")
 
 
 CHECKS = {"network": network, "package": package, "platform": platform, "middleware": middleware, "topic": topic}

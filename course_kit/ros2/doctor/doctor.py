@@ -7,26 +7,19 @@ from __future__ import annotations
 
 import os
 import xml.etree.ElementTree as ElementTree
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
+from collections import defaultdict
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from course_kit.programs import packages
 from course_kit.ros2.doctor import checks, report
 from course_kit.ros2.doctor.checks import Interface, Pair, System, Topic
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import Verb, add_flag
+from course_kit.ros2.verbs import Verb, flag, one_of
 
 if TYPE_CHECKING:
     from rclpy.node import Node
-
-
-def _arguments(parser: ArgumentParser) -> None:
-    group = parser.add_mutually_exclusive_group()
-    add_flag(group, "--report -r", "Print all reports.")
-    add_flag(group, "--report-failed -rf", "Print reports of failed checks only.")
-    add_flag(parser, "--exclude-packages -ep", "Exclude package checks or report, default is False")
-    add_flag(parser, "--include-warnings -iw", "Include warnings as failed checks. Warnings are ignored by default.")
 
 
 def _doctor(args: Namespace, session: Session) -> None:
@@ -36,12 +29,11 @@ def _doctor(args: Namespace, session: Session) -> None:
         for section in report.sections(system, with_packages=with_packages):
             session.print(str(section))
         return
-    chosen = {n: check for n, check in checks.CHECKS.items() if with_packages or n != "package"}
-    findings = {name: check(system) for name, check in chosen.items()}
+    findings = {n: list(check(system)) for n, check in checks.CHECKS.items() if with_packages or n != "package"}
     for line in dict.fromkeys(str(finding) for found in findings.values() for finding in found):
         session.warn(line)
     failed = checks.failed(findings, args.include_warnings)
-    session.print(checks.summary(len(chosen), failed))
+    session.print(checks.summary(len(findings), failed))
     if args.report_failed and failed:
         for section in report.sections(system, failed, with_packages):
             session.print(str(section))
@@ -71,13 +63,11 @@ def _interfaces() -> Iterator[Interface]:
 
     stats = psutil.net_if_stats()
     for name, addresses in psutil.net_if_addrs().items():
-        of = {
-            family: [address for address in addresses if address.family == family]
-            for family in (socket.AF_INET, socket.AF_INET6, psutil.AF_LINK)
-        }
-        inet = of[socket.AF_INET]
+        of: dict[int, list[Any]] = defaultdict(list)
+        for address in addresses:
+            of[address.family].append(address)
+        inet, stat = of[socket.AF_INET], stats.get(name)
         ether = [a.address for a in of[psutil.AF_LINK] if a.address != "00:00:00:00:00:00"]
-        stat = stats.get(name)
         yield Interface(
             name,
             flags=stat.flags if stat else "",
@@ -124,4 +114,13 @@ def _pairs(node: Node, topic: str) -> Iterator[Pair]:
             yield Pair(topic, publisher.topic_type, publisher.node_name, subscription.node_name, reason)
 
 
-COMMAND = Verb("Check ROS setup and other potential issues", _doctor, _arguments)
+COMMAND = Verb(
+    "check this machine, the packages and the graph",
+    _doctor,
+    one_of(
+        flag("--report -r", "in place of the checks, show everything that they look at"),
+        flag("--report-failed -rf", "show what the checks that fail look at"),
+    ),
+    flag("--exclude-packages -ep", "leave the packages out"),
+    flag("--include-warnings -iw", "let warnings fail a check too"),
+)

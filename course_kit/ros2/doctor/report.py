@@ -6,7 +6,7 @@ import platform
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from course_kit.ros2.doctor.checks import Interface, System
+from course_kit.ros2.doctor.checks import KNOWN, Interface, System
 
 LEAST_WIDTH = 8  # of the column of names; names as long as that get GAP more
 GAP = 4
@@ -29,13 +29,14 @@ class Section:
 
 def sections(system: System, modules: Collection[str] = (), with_packages: bool = True) -> list[Section]:
     """The sections of some modules, of all if none is named."""
+    distribution = KNOWN.get(system.distro, {"distribution name": system.distro or "unknown"})
     everything = [
         Section("network", "NETWORK CONFIGURATION", list(_network(system.interfaces))),
         Section("package", "PACKAGE VERSIONS", list(_packages(system)) if with_packages else []),
         Section("platform", "PLATFORM INFORMATION", _platform()),
         Section("middleware", "QOS COMPATIBILITY LIST", list(_qos(system))),
         Section("middleware", "RMW MIDDLEWARE", [("middleware name", system.middleware)]),
-        Section("platform", "ROS 2 INFORMATION", _distribution(system)),
+        Section("platform", "ROS 2 INFORMATION", list(distribution.items())),
         Section("topic", "TOPIC LIST", list(_topics(system))),
     ]
     wanted = (s for s in everything if with_packages or s.module != "package")
@@ -81,18 +82,6 @@ def _qos(system: System) -> Iterator[tuple[str, object]]:
         yield "compatibility status", pair.reason or "OK"
     if not system.pairs:
         yield "compatibility status", "No publisher/subscriber pairs found"
-
-
-def _distribution(system: System) -> list[tuple[str, object]]:
-    known = system.distribution
-    if known is None:
-        return [("distribution name", system.distro or "unknown")]
-    return [
-        ("distribution name", known.name),
-        ("distribution type", "ros2"),
-        ("distribution status", known.status),
-        ("release platforms", dict(known.platforms)),
-    ]
 
 
 def _topics(system: System) -> Iterator[tuple[str, object]]:

@@ -6,7 +6,7 @@ import argparse
 import os
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from course_kit.programs import packages
@@ -14,17 +14,15 @@ from course_kit.ros2.completion import offering
 from course_kit.ros2.interface import text
 from course_kit.ros2.interface.text import KINDS
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, add_flag, add_offered, did_you_mean
+from course_kit.ros2.verbs import Arguments, CommandError, Verb, all_of, argument, did_you_mean, flag, one_of
 
 INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")
 HEADINGS = {"msg": "Messages:", "srv": "Services:", "action": "Actions:"}
-OPTIONS = {"msg": "only_msgs", "srv": "only_srvs", "action": "only_actions"}
-Interfaces = dict[str, list[str]]
 
 
-def installed() -> Interfaces:
+def installed() -> dict[str, list[str]]:
     """{package: ['msg/String', ...]} of every package that has interfaces, sorted; of two the first prefix counts."""
-    found: Interfaces = {}
+    found: dict[str, list[str]] = {}
     for prefix in packages.prefixes():
         index = prefix / INDEX
         for package in sorted(os.listdir(index)) if index.is_dir() else ():
@@ -47,12 +45,13 @@ def types(kinds: Sequence[str] = KINDS) -> list[str]:
 def path(type_name: str) -> str:
     """The file that defines a type. ValueError for what is no type name, LookupError as the real command's."""
     parts = type_name.split("/")
-    if len(parts) != 3:
-        raise ValueError(f"Invalid name '{type_name}'. Expected three parts separated by '/'")
-    if not all(parts):
-        raise ValueError(f"Invalid name '{type_name}'. Must not contain empty parts")
-    if ".." in parts:
-        raise ValueError(f"Invalid name '{type_name}'. Must not contain '..'")
+    for is_wrong, reason in (
+        (len(parts) != 3, "Expected three parts separated by '/'"),
+        (not all(parts), "Must not contain empty parts"),
+        (".." in parts, "Must not contain '..'"),
+    ):
+        if is_wrong:
+            raise ValueError(f"Invalid name '{type_name}'. {reason}")
     try:
         share = packages.share_directory(parts[0])
     except LookupError:
@@ -70,10 +69,10 @@ def _definition(type_name: str) -> str:
         return file.read()
 
 
-def _looked_up(look: Callable[[], Any], name: str) -> Any:
-    """What a look-up gives; its failure as one of the verb, with the type that may be meant."""
+def _path(name: str) -> str:
+    """The file that defines a type. CommandError if there is none, with the type that may be meant."""
     try:
-        return look()
+        return path(name)
     except (LookupError, ValueError) as error:
         near = text.near_type(name, types())
         if near is None and not name.startswith(tuple(f"{package}/" for package in installed())):
@@ -81,37 +80,13 @@ def _looked_up(look: Callable[[], Any], name: str) -> Any:
         raise CommandError(str(error), f"Did you mean {near}?" if near else None) from None
 
 
-_offer_types = offering(lambda args: types())
-_offer_packages = offering(lambda args: installed())
-
-
-def _kind_arguments(parser: ArgumentParser, words: str) -> None:
-    parser.add_argument("-m", "--only-msgs", action="store_true", help=words.format("message"))
-    parser.add_argument("-s", "--only-srvs", action="store_true", help=words.format("service"))
-    parser.add_argument("-a", "--only-actions", action="store_true", help=words.format("action"))
-
-
 def _kinds(args: Namespace) -> list[str]:
-    return [kind for kind in KINDS if getattr(args, OPTIONS[kind])] or list(KINDS)
-
-
-def _list_arguments(parser: ArgumentParser) -> None:
-    _kind_arguments(parser, "Print out only the {} types")
+    return [kind for kind in KINDS if getattr(args, f"only_{kind}s")] or list(KINDS)
 
 
 def _list(args: Namespace, session: Session) -> None:
     for kind in _kinds(args):
         session.print("\n".join([HEADINGS[kind], *(f"    {name}" for name in types([kind]))]))
-
-
-def _package_arguments(parser: ArgumentParser) -> None:
-    _list_arguments(parser)
-    add_offered(
-        parser,
-        "package_name",
-        _offer_packages,
-        "Name of the ROS package (e.g. 'example_interfaces')",
-    )
 
 
 def _package(args: Namespace, session: Session) -> None:
@@ -124,10 +99,6 @@ def _package(args: Namespace, session: Session) -> None:
     for interface in installed().get(name, []):
         if interface.split("/")[0] in kinds:
             session.print(f"{name}/{interface}")
-
-
-def _packages_arguments(parser: ArgumentParser) -> None:
-    _kind_arguments(parser, "Only list packages that generate {}s")
 
 
 def _packages(args: Namespace, session: Session) -> None:
@@ -150,23 +121,8 @@ class _FromStdin(argparse.Action):
         setattr(namespace, self.dest, values)
 
 
-def _show_arguments(parser: ArgumentParser) -> None:
-    comments = parser.add_mutually_exclusive_group()
-    add_flag(comments, "--all-comments", "Show all comments, including for nested interface definitions")
-    add_flag(comments, "--no-comments", "Show no comments or whitespace")
-    add_offered(
-        parser,
-        "type",
-        _offer_types,
-        "Show an interface definition (e.g. 'example_interfaces/msg/String'). Passing '-' reads the argument "
-        "from stdin (e.g. 'ros2 topic type /chatter | ros2 interface show -').",
-        action=_FromStdin,
-    )
-
-
 def _show(args: Namespace, session: Session) -> None:
-    file = _looked_up(lambda: path(args.type), args.type)
-    if file.endswith(".idl"):
+    if _path(args.type).endswith(".idl"):
         session.print(_definition(args.type).rstrip())
         return
     lines = text.show(args.type, _definition, not args.no_comments, args.all_comments)
@@ -177,21 +133,11 @@ def _show(args: Namespace, session: Session) -> None:
         raise CommandError(str(error)) from None
 
 
-def _proto_arguments(parser: ArgumentParser) -> None:
-    add_offered(
-        parser,
-        "type",
-        _offer_types,
-        "Show an interface definition (e.g. 'example_interfaces/msg/String')",
-    )
-    add_flag(parser, "--no-quotes", "if true output has no outer quotes.")
-
-
 def _proto(args: Namespace, session: Session) -> None:
     from course_kit.ros2.messages import yaml_text
 
     name = args.type if args.type.count("/") != 1 else args.type.replace("/", "/msg/")
-    _looked_up(lambda: path(name), name)
+    _path(name)
     text = yaml_text.to_yaml(_part_to_fill_in(name)())
     session.print(text if args.no_quotes else f'"{text}"')
 
@@ -208,10 +154,38 @@ def _part_to_fill_in(type_name: str) -> Any:
     return {"msg": cls, "srv": getattr(cls, "Request", cls), "action": getattr(cls, "Goal", cls)}[kind]
 
 
+def _only(words: str) -> Arguments:
+    """The options that choose kinds of interfaces."""
+    options = (("-m --only-msgs", "messages"), ("-s --only-srvs", "services"), ("-a --only-actions", "actions"))
+    return all_of(*(flag(names, words.format(kind)) for names, kind in options))
+
+
+def _type(example: str, **settings: Any) -> Arguments:
+    return argument("type", f"the type, such as {example}", offering(lambda args: types()), **settings)
+
+
 VERBS = {
-    "list": Verb("List all interface types available", _list, _list_arguments),
-    "package": Verb("Output a list of available interface types within one package", _package, _package_arguments),
-    "packages": Verb("Output a list of packages that provide interfaces", _packages, _packages_arguments),
-    "proto": Verb("Output an interface prototype", _proto, _proto_arguments),
-    "show": Verb("Output the interface definition", _show, _show_arguments),
+    "list": Verb("list all types", _list, _only("only {}")),
+    "package": Verb(
+        "list the types of a package",
+        _package,
+        _only("only {}"),
+        argument("package_name", "the package, such as std_msgs", offering(lambda args: installed())),
+    ),
+    "packages": Verb("list the packages that have types", _packages, _only("only those that have {}")),
+    "proto": Verb(
+        "print the fields of a type as YAML to fill in",
+        _proto,
+        _type("geometry_msgs/msg/Twist"),
+        flag("--no-quotes", "without quotes around it"),
+    ),
+    "show": Verb(
+        "show the definition of a type",
+        _show,
+        one_of(
+            flag("--all-comments", "also the comments of the types inside it"),
+            flag("--no-comments", "no comments, no empty lines"),
+        ),
+        _type("std_msgs/msg/String; - reads it from the standard input", action=_FromStdin),
+    ),
 }
