@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 from collections.abc import Iterator
 
 import pytest
@@ -15,6 +16,9 @@ IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 GROUPS = "COURSE_KIT_TEST_GROUPS"  # those that are run, if not all
 # Seconds that groups of tests take, one after another on a machine with nothing else to do; others take SHORT ones.
 SECONDS = {
+    "bare bookworm": 210,
+    "bare trixie": 210,
+    "bare noble": 210,
     "test_environment_setup": 200,
     "02_workspace": 120,
     "exercises of workspace": 120,
@@ -44,6 +48,8 @@ CHANGED_LIMIT = 110  # of the two minutes that --changed may take, without the s
 if not IS_WORKER:
     leftovers.begin()
 use_own_domain()
+# A shell that starts the tests in the background has them, and all that they start, ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

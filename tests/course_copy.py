@@ -26,10 +26,10 @@ def fresh_environ(**variables: str) -> dict[str, str]:
 
 
 class CourseCopy:
-    """The course's files, without what set-up and tools made of them, in a folder with a space in its path."""
+    """The course's files, without what set-up and tools made of them; by default with a space in their path."""
 
-    def __init__(self, folder: Path, parts: Sequence[str] = PARTS) -> None:
-        self.root = folder / "my course"
+    def __init__(self, folder: Path, parts: Sequence[str] = PARTS, name: str = "my course") -> None:
+        self.root = folder / name
         self.root.mkdir(parents=True)
         ignore = shutil.ignore_patterns("__pycache__", ".*")
         for part in parts:

@@ -1,0 +1,104 @@
+"""Set-up and the first two chapters on bare Debian and Ubuntu, as an ordinary user, with what the script asks for.
+
+A root file system is made by mmdebstrap for each release: there is no compiler in it, no ROS, no browser.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.course_copy import CourseCopy
+from tests.test_notebooks import NBVAL
+
+PACKAGES = "apt,python3,python3-venv,python3-dev"  # what environment-check.sh names, and apt
+STORE = Path("/etc/ssl/certs/ca-certificates.crt")
+NEEDS = ("mmdebstrap", "unshare", "ip")
+RELEASES = {
+    "bookworm": ["http://deb.debian.org/debian"],
+    "trixie": ["http://deb.debian.org/debian"],
+    "noble": ["--components=main,universe", "http://archive.ubuntu.com/ubuntu"],
+}
+KEYS = {"noble": Path("/usr/share/keyrings/ubuntu-archive-keyring.gpg")}
+# What a user would have been told about the network that this machine is in.
+OF_THE_NETWORK = ("_PROXY", "_proxy", "SSL_CERT_FILE", "PIP_CERT", "INDEX_URL", "UV_INDEX", "UV_DEFAULT_INDEX")
+# The view of the machine's processes is its own, and so is its shared memory.
+ENTER = """
+set -e
+mount -t proc proc "$1/proc"
+mount --rbind /dev "$1/dev"
+mount -t tmpfs tmpfs "$1/dev/shm"
+[ "$2" = network ] || ip link set lo up
+root=$1
+shift 2
+exec chroot "$root" setpriv --reuid student --regid student --clear-groups -- "$@"
+"""
+
+pytestmark = [
+    pytest.mark.slow("a system, an environment and a workspace are made anew for each release"),
+    pytest.mark.timeout(900),
+    pytest.mark.skipif(os.geteuid() != 0, reason="only root can make a root file system"),
+    pytest.mark.skipif(not all(map(shutil.which, NEEDS)), reason="needs the commands " + ", ".join(NEEDS)),
+]
+
+
+class Machine:
+    """A bare system with the course in the home of a user who is not root."""
+
+    def __init__(self, folder: Path, release: str) -> None:
+        self.root = folder / "root"
+        keys = [f"--keyring={KEYS[release]}"] if release in KEYS else []
+        *options, mirror = RELEASES[release]
+        user = 'chroot "$1" useradd --create-home student'
+        make = ["mmdebstrap", "--quiet", "--variant=minbase", f"--include={PACKAGES}", f"--customize-hook={user}"]
+        subprocess.run([*make, *keys, *options, release, self.root, mirror], check=True, timeout=600)
+        for known in (Path("/etc/resolv.conf"), STORE):
+            if known.exists():
+                (self.root / known.relative_to("/")).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(known, self.root / known.relative_to("/"))
+        self.course = CourseCopy(self.root / "home/student", name="course").root
+        subprocess.run(["chroot", self.root, "chown", "-R", "student:", "/home/student"], check=True, timeout=60)
+
+    def run(self, command: Sequence[str], network: bool = False, timeout: float = 600) -> subprocess.CompletedProcess:
+        """Run a command in the course's folder, in an environment with nothing but what a login sets."""
+        known = {name: text for name, text in os.environ.items() if any(word in name for word in OF_THE_NETWORK)}
+        variables = {**known, "HOME": "/home/student", "PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "USER": "student"}
+        inside = ["env", "-i", *(f"{name}={text}" for name, text in variables.items())]
+        folder = str(Path("/") / self.course.relative_to(self.root))
+        inside += ["sh", "-c", 'cd "$0" && exec "$@"', folder, *command]
+        own = ["unshare", "--mount", "--pid", "--fork", "--kill-child", *([] if network else ["--net"])]
+        enter = [*own, "sh", "-c", ENTER, "sh", str(self.root), "network" if network else "none"]
+        return subprocess.run([*enter, *inside], capture_output=True, text=True, timeout=timeout)
+
+
+def releases() -> Iterator[object]:
+    for release in RELEASES:
+        yield pytest.param(release, marks=pytest.mark.xdist_group(f"bare {release}"))
+
+
+@pytest.fixture(scope="module", params=list(releases()))
+def machine(request, tmp_path_factory) -> Iterator[Machine]:
+    if not KEYS.get(request.param, STORE.parent).exists():
+        pytest.skip(f"the keys of {request.param} are not here: its keyring is not installed")
+    machine = Machine(tmp_path_factory.mktemp("machine"), request.param)
+    yield machine
+    subprocess.run(["rm", "-rf", "--one-file-system", machine.root], check=True, timeout=300)
+
+
+def test_the_script_asks_for_nothing_more_and_sets_up(machine):
+    checked = machine.run(["./environment-check.sh"])
+    assert "0 FAIL" in checked.stdout, checked.stdout + checked.stderr
+    done = machine.run(["./environment-check.sh", "lab", "--version"], network=True)
+    assert done.returncode == 0, done.stderr + (machine.course / "build/set-up.log").read_text()[-6000:]
+    assert "Set up in " in done.stderr
+
+
+@pytest.mark.parametrize("chapter", ["01_setup_checks", "02_workspace"])
+def test_a_chapter_runs_top_to_bottom(machine, chapter):
+    done = machine.run([".venv/bin/python", *NBVAL[1:], f"notebooks/{chapter}.ipynb"])
+    assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
