@@ -79,8 +79,7 @@ class Recorder:
         self.node = quiet_node(self.node_name, with_rosout=True)
         name = self.node.get_fully_qualified_name()
         self._watcher = Watcher(self.node, lambda error: errors.report(name, error))
-        context.before_stop(_stop_all)
-        _running.add(self)
+        context.before_stop(self.stop)  # the bag is closed before the ROS context ends
         self._say("Listening for topics...")
         self._say("Event publisher thread: Starting")
         self._run(self._write, "writer")
@@ -125,7 +124,7 @@ class Recorder:
         if self._ending.is_set() or not self._threads:
             return
         self._ending.set()
-        _running.discard(self)
+        context.ended(self.stop)
         writing, *looking = self._threads
         for thread in looking:
             thread.join(5.0)
@@ -253,15 +252,6 @@ class Recorder:
             topic, nanoseconds, data = queue.popleft()
             write(topic, nanoseconds, data)
             self._written += len(data)
-
-
-_running: set[Recorder] = set()
-
-
-def _stop_all() -> None:
-    """Close the bags before the ROS context ends."""
-    for recorder in list(_running):
-        recorder.stop()
 
 
 def _hash(endpoint: TopicEndpointInfo) -> str:

@@ -44,7 +44,7 @@ def watch_rates(*wanted: Any, last: float = 3.0, period: float = PERIOD, seconds
 def _add_new(meter: RateMeter) -> None:
     """Measure what is published since the last look."""
     node = instruments.node()
-    for topic in meters.published_now():
+    for topic in topics.published(node):
         types = {publisher.topic_type for publisher in topics.publishers(node, topic)}
         if topic in meter.topics or graph.is_hidden(topic) or len(types) != 1:
             continue

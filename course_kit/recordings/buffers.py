@@ -230,11 +230,10 @@ class MessageBuffer:
             chunks = [(chunk, chunk.count) for chunk in channel.chunks]
             appended = channel.appended
         held = sum(count for _, count in chunks)
-        skip = 0 if self._keep is None else max(0, held - self._keep)
-        runs = []
+        kept = held if self._keep is None else min(held, self._keep)
+        runs, skip = [], held - kept
         for chunk, count in chunks:
             first = min(skip, count)
             skip -= first
             runs.append((chunk, first, count))
-        kept = sum(stop - start for _, start, stop in runs)
         return Serialised(runs, dropped=appended - kept)

@@ -170,11 +170,6 @@ def rates(*wanted: Any, seconds: float = 2.0, window: int = WINDOW, timeout: flo
 
 def _published(timeout: float) -> list[str]:
     """The topics that nodes publish, without those every node has."""
-    if there := wait_until(published_now, timeout):
+    if there := wait_until(lambda: topics.published(instruments.node()), timeout):
         return sorted(there)
     raise TimeoutError(f"no node publishes anything (waited {timeout:g} s): is one running, in this ROS_DOMAIN_ID?")
-
-
-def published_now() -> list[str]:
-    """The topics that some node publishes, without those that every node has."""
-    return topics.published(instruments.node())

@@ -93,11 +93,17 @@ class _Sampler:
                 self.sample()
             except Exception as error:  # ROS was shut down, for instance
                 self.error = error
-                return
+                break
             due = max(due + self.period, time.monotonic())
             if self.ending.wait(due - time.monotonic()):
                 self.sample()
-                return
+                break
+        context.ended(self.stop)
+
+    def stop(self, timeout: float = 2.0) -> None:
+        """End the thread; wait so long for it."""
+        self.ending.set()
+        self.thread.join(timeout)
 
     def look(self) -> None:
         """See who is there now."""
@@ -141,16 +147,6 @@ class _Sampler:
                 meter.add(time.time_ns(), used.user + used.system, memory / MEGABYTE)
 
 
-_samplers: weakref.WeakSet[_Sampler] = weakref.WeakSet()
-
-
-def _stop_all() -> None:
-    """Before ROS ends: a thread that looked for nodes later would start it again."""
-    for sampler in list(_samplers):
-        sampler.ending.set()
-        sampler.thread.join(2.0)
-
-
 class ResourceRecording(Mapping[str, Usage]):
     """What the processes of nodes used up to now, by label: a table. .stop() ends it.
 
@@ -162,8 +158,7 @@ class ResourceRecording(Mapping[str, Usage]):
         self.start_ns = self._sampler.start_ns
         self._finalizer = weakref.finalize(self, self._sampler.ending.set)
         self._finalizer.atexit = False
-        context.before_stop(_stop_all)
-        _samplers.add(self._sampler)
+        context.before_stop(self._sampler.stop)  # a thread that looked for nodes later would start ROS again
         self._sampler.thread.start()
 
     @property
@@ -173,8 +168,7 @@ class ResourceRecording(Mapping[str, Usage]):
 
     def stop(self) -> ResourceRecording:
         """End it; what it has stays. Returns itself; safe to call twice."""
-        self._sampler.ending.set()
-        self._sampler.thread.join(5.0)
+        self._sampler.stop(5.0)
         return self
 
     def __enter__(self) -> ResourceRecording:

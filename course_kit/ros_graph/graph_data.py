@@ -84,6 +84,10 @@ class GraphNode:
         return self.name.rpartition("/")[0] or "/"
 
 
+def _of_kind(kind: str) -> property:
+    return property(lambda shown: [channel for channel in shown.channels if channel.kind == kind])
+
+
 @dataclass(frozen=True)
 class Snapshot:
     """The graph at one moment; equal to another one if nothing that can be drawn has changed."""
@@ -91,20 +95,7 @@ class Snapshot:
     nodes: tuple[GraphNode, ...] = ()
     channels: tuple[Channel, ...] = ()
 
-    @property
-    def topics(self) -> list[Channel]:
-        """The channels that are topics."""
-        return [channel for channel in self.channels if channel.kind == "topic"]
-
-    @property
-    def services(self) -> list[Channel]:
-        """The channels that are services."""
-        return [channel for channel in self.channels if channel.kind == "service"]
-
-    @property
-    def actions(self) -> list[Channel]:
-        """The channels that are actions."""
-        return [channel for channel in self.channels if channel.kind == "action"]
+    topics, services, actions = map(_of_kind, ("topic", "service", "action"))
 
     def around(self, node: str | None = None, namespace: str | None = None) -> Snapshot:
         """What a node, or the nodes of a namespace, have to do with, and the nodes at the other ends of it.

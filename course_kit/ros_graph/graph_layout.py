@@ -61,7 +61,7 @@ def _lay_out(boxes: list[Box], drawn: list[Line], titles: dict[str, float], max_
     assign_layers(placed, drawn, find_levels(placed, drawn, max_levels), max_levels)
     chains = _chains(placed, drawn)
     columns = _columns(placed)
-    groups = _groups(placed, titles)
+    groups = sorted({box.group for box in boxes}, key=lambda group: (group in titles, natural(group)))
     neighbours = _neighbours(drawn, chains)
     _order(columns, groups, neighbours)
     bands, height = _place_rows(placed, columns, groups, titles, neighbours)
@@ -97,10 +97,6 @@ def _columns(boxes: dict[str, Box]) -> list[list[Box]]:
     for box in boxes.values():
         columns[box.layer].append(box)
     return columns
-
-
-def _groups(boxes: dict[str, Box], titles: dict[str, float]) -> list[str]:
-    return sorted({box.group for box in boxes.values()}, key=lambda group: (group in titles, natural(group)))
 
 
 Neighbours = dict[str, list[tuple[str, int]]]

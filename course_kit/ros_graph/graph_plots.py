@@ -25,6 +25,7 @@ FONT = "DejaVu Sans"  # it comes with matplotlib, so widths are the same everywh
 MARGIN, HEAD, FOOT = 0.22, 0.42, 0.3  # inches
 NARROWEST = 6.0
 CROWD = 30  # boxes
+SWATCH = 0.34  # inches of the legend's lines
 TROUBLE, TROUBLE_INK = COLOURS[1], "#a33c00"
 WIRE = "#6f7780"
 # Lines of one topic have one of these, so that the eye can follow them through a crowd; none is near TROUBLE.
@@ -103,7 +104,8 @@ def draw_graph(shown: Snapshot) -> Plot:
     layout = lay_out([card.box for card in made], [wire.line for wire in wires], titles)
     heading = _heading(shown)
     legend = _legend(made, wires)
-    wide = max(layout.width, text_width(heading, 12, True), _legend_width(legend), NARROWEST - 2 * MARGIN)
+    of_legend = sum(SWATCH + 0.3 + text_width(name, 8) for name, _ in legend)
+    wide = max(layout.width, text_width(heading, 12, True), of_legend, NARROWEST - 2 * MARGIN)
     width, height = wide + 2 * MARGIN, layout.height + HEAD + FOOT + 2 * MARGIN
     plot = Plot(width, height)
     plot.set_layout_engine("none")
@@ -234,13 +236,6 @@ def _legend(made: list[Card], wires: list[Wire]) -> Legend:
     return found
 
 
-SWATCH = 0.34
-
-
-def _legend_width(legend: Legend) -> float:
-    return sum(SWATCH + 0.08 + text_width(name, 8) + 0.22 for name, _ in legend)
-
-
 def _draw_legend(axes: Axes, legend: Legend, x: float, y: float) -> None:
     for name, what in legend:
         if isinstance(what, dict):
@@ -252,4 +247,4 @@ def _draw_legend(axes: Axes, legend: Legend, x: float, y: float) -> None:
             look = {"facecolor": face, "edgecolor": edge, "linewidth": 1.1}
             _draw_shape(axes, what, x, y - 0.08, SWATCH, 0.16, look)
         _write(axes, x + SWATCH + 0.08, y, name, 8, FAINT)
-        x += SWATCH + 0.08 + text_width(name, 8) + 0.22
+        x += SWATCH + 0.3 + text_width(name, 8)

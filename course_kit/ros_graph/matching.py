@@ -101,7 +101,12 @@ def parts(channel: Channel) -> list[Part]:
 def explanations(channel: Channel, split: Iterable[Part] | None = None) -> list[str]:
     """One line for each reason in a channel; it names the nodes where the parts alone do not tell who is meant."""
     found = list(split) if split is not None else parts(channel)
-    home = {(side, end): n for n, part in enumerate(found) for side, ends in enumerate(_sides(part)) for end in ends}
+    home = {
+        (side, end): n
+        for n, part in enumerate(found)
+        for side, ends in enumerate((part.sources, part.sinks))
+        for end in ends
+    }
     lines: dict[str, None] = {}
     for one in mismatches(channel):
         within = home[(0, one.source)] == home[(1, one.sink)]
@@ -109,7 +114,3 @@ def explanations(channel: Channel, split: Iterable[Part] | None = None) -> list[
     if not lines and len(channel.types) > 1:  # no pair, but still wrong
         lines[f"{' and '.join(channel.types)} on one {channel.kind}"] = None
     return list(lines)
-
-
-def _sides(part: Part) -> tuple[tuple[Endpoint, ...], tuple[Endpoint, ...]]:
-    return part.sources, part.sinks

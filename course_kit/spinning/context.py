@@ -91,12 +91,18 @@ def before_stop(closer: Callable[[], None]) -> None:
             _closers.append(closer)
 
 
+def ended(closer: Callable[[], None]) -> None:
+    """Have `closer` called no more before the context ends: what it closes has ended by itself."""
+    with contextlib.suppress(ValueError):
+        _closers.remove(closer)
+
+
 def stop() -> None:
     """End every executor thread, then the context. Safe to call twice; a forked child leaves it alone."""
     with _lock:
         if _owner != os.getpid():
             return
-        for closer in reversed(_closers):
+        for closer in reversed([*_closers]):
             with contextlib.suppress(Exception):  # one part that cannot end must not keep the others
                 closer()
         rclpy.try_shutdown()
