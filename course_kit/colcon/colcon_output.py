@@ -69,10 +69,12 @@ class BuildOutput:
         """Take a line; return the lines to show now: a package's messages come with its end, if it was built."""
         self.lines.append(line)
         if self._block:
-            self._in_block(line)
+            if line == "---":
+                self._block = ""
+            else:
+                self.messages[self._block].append(line)
             return []
-        block = _BLOCK.fullmatch(line)
-        if block:
+        if block := _BLOCK.fullmatch(line):
             self._block = block[1]
             self.messages.setdefault(block[1], [])
             return []
@@ -85,12 +87,6 @@ class BuildOutput:
             self._loose.append(line)
             return []
         return [] if _NOISE.match(line) else [line]
-
-    def _in_block(self, line: str) -> None:
-        if line == "---":
-            self._block = ""
-        else:
-            self.messages[self._block].append(line)
 
     def _end(self, done: re.Match[str], line: str) -> list[str]:
         word, package, minutes, seconds, how = done.groups()
@@ -106,8 +102,7 @@ class BuildOutput:
 
     def read_log(self, package: str, lines: Sequence[str]) -> None:
         """Take the log of a package, which has more than the console: ninja tells compiler errors on stdout."""
-        if lines:
-            self.messages[package] = [*self._loose_of.get(package, []), *lines]
+        self.messages[package] = [*self._loose_of.get(package, []), *lines]
 
     def explanation(self) -> str:
         """The few lines that matter of a failed build: which package, what the tools say, what to do."""
@@ -191,7 +186,6 @@ def advice(lines: Sequence[str]) -> str:
     """What to do about it, or nothing if the messages must do."""
     text = "\n".join(lines)
     for pattern, cure in ADVICE:
-        found = re.search(pattern, text)
-        if found:
+        if found := re.search(pattern, text):
             return cure.format(*found.groups())
     return ""

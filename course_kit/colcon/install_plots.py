@@ -52,16 +52,12 @@ def _origin(path: Path, source: Path) -> str:
     same = [file for file in sorted(source.rglob(path.name)) if file.is_file()]
     copied = [file for file in same if filecmp.cmp(file, path, shallow=False)]
     if copied:
-        return str(min(copied, key=lambda file: _unlikeness(file, path)).relative_to(source))
+        # Of two equal files, the one in the folder of the same name is the origin.
+        return str(min(copied, key=lambda file: file.parent.name != path.parent.name).relative_to(source))
     setup = source / "setup.py"
     if setup.is_file() and re.search(rf"['\"]{re.escape(path.name)}\s*=", setup.read_text(errors="replace")):
         return "setup.py: entry_points"
     return "CMakeLists.txt: install()" if (source / "CMakeLists.txt").is_file() else ""
-
-
-def _unlikeness(file: Path, path: Path) -> bool:
-    """Of two equal files, the one in the folder of the same name is the origin."""
-    return file.parent.name != path.parent.name
 
 
 def plot_install(workspace: Workspace, package: str) -> Plot:

@@ -123,7 +123,9 @@ class Workspace:
         process = processes.run_through(("colcon", "build", *arguments), self.unsourced, self.folder, show)
         status = process.wait(processes.KILL_TIMEOUT)
         for package in output.failed:
-            output.read_log(package, self._log(package))
+            log = self.folder / "log/latest_build" / package / "stdout_stderr.log"
+            if log.is_file() and (said := log.read_text(errors="replace").splitlines()):
+                output.read_log(package, said)
         explanation = output.explanation() if status else ""
         seconds = time.monotonic() - begun
         build = Build(arguments, status, output.finished, output.failed, output.lines, explanation, seconds)
@@ -134,11 +136,6 @@ class Workspace:
         elif not build.finished:
             print(f"Nothing was built. Packages in {self.src}: {', '.join(self.packages) or 'none'}.")
         return build
-
-    def _log(self, package: str) -> list[str]:
-        """All that the tools of a package said in the last build."""
-        path = self.folder / "log/latest_build" / package / "stdout_stderr.log"
-        return path.read_text(errors="replace").splitlines() if path.is_file() else []
 
     @property
     def environment(self) -> dict[str, str]:

@@ -22,13 +22,7 @@ from course_kit.interfaces import rosidl  # noqa: E402
 DEFINITIONS = ROOT / "course_kit" / "interfaces"
 PREFIX = ROOT / "course_kit" / "environment" / "prefix"
 # The generators and the linker need these; their versions are those of the lock.
-BUILD_WHEELS = (
-    "ros-rosidl-generator-py",
-    "ros-rosidl-typesupport-fastrtps-c",
-    "ros-action-msgs",
-    "empy",
-    "numpy",
-)
+BUILD_WHEELS = ("ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "ros-action-msgs", "empy", "numpy")
 TOOLS = "share/course_kit/compiler"
 
 

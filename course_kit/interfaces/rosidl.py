@@ -28,13 +28,7 @@ KINDS = ("msg", "srv", "action")
 DEPENDENCIES = ("action_msgs", "builtin_interfaces", "service_msgs", "unique_identifier_msgs")
 FASTRTPS = "rosidl_typesupport_fastrtps_c"
 INTROSPECTION = "rosidl_typesupport_introspection_c"
-GENERATORS = (
-    "rosidl_generator_py",
-    "rosidl_generator_c",
-    FASTRTPS,
-    "rosidl_typesupport_c",
-    INTROSPECTION,
-)
+GENERATORS = ("rosidl_generator_py", "rosidl_generator_c", FASTRTPS, "rosidl_typesupport_c", INTROSPECTION)
 
 
 def ros_prefix() -> Path:

@@ -8,15 +8,15 @@ blocks of 4 kB, so the newest lines of a process that runs may not be there yet.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
 from course_kit.launching.output import log_folder
-from course_kit.node_logs.rosout import LEVELS, LogLine, LogLines, is_of, level_number
+from course_kit.node_logs.rosout import NUMBERS, LogLine, LogLines, is_of, level_number
 from course_kit.text import table
 
-NUMBERS = {name: number for number, name in LEVELS.items()}
+NUMBERS_IN_FILES = NUMBERS | {"CRITICAL": 50}  # a launch has Python's words
 NAME = re.compile(r"(?P<program>.+)_(?P<pid>\d+)_(?P<start>\d{13})\.log")
 # "[INFO] [1795257602.544754480] [talker]: text" of a node, "1795257602.5447 [INFO] [launch]: text" of a launch.
 OF_NODE = re.compile(r"\[(?P<level>[A-Z]+)\] \[(?P<when>\d+\.\d+)\] \[(?P<name>[^\]]*)\]: (?P<text>.*)")
@@ -42,8 +42,7 @@ class LogFile:
             if line is not None:
                 found.append(line)
             elif found:
-                before = found.pop()
-                found.append(LogLine(before.when, before.level, before.node, f"{before.text}\n{text}"))
+                found[-1] = replace(found[-1], text=f"{found[-1].text}\n{text}")
         chosen = [one for one in found if one.level >= lowest and (node is None or is_of(one, node))]
         return LogLines(chosen if last is None else chosen[-last:])
 
@@ -56,9 +55,9 @@ class LogFile:
 def parse(text: str) -> LogLine | None:
     """One line of a log file; None for what does not begin one."""
     found = OF_NODE.match(text) or OF_LAUNCH.match(text)
-    if found is None or found["level"] not in (*NUMBERS, "WARNING", "CRITICAL"):
+    if found is None or found["level"] not in NUMBERS_IN_FILES:
         return None
-    level = {"WARNING": 30, "CRITICAL": 50}.get(found["level"]) or NUMBERS[found["level"]]
+    level = NUMBERS_IN_FILES[found["level"]]
     return LogLine(float(found["when"]), level, "/" + found["name"].replace(".", "/"), found["text"])
 
 
@@ -109,8 +108,7 @@ def log_files(program: str | int = "", with_empty: bool = False, last: int = 20)
 def _read_name(path: Path) -> LogFile:
     known = path.stat()
     named = NAME.fullmatch(path.name)
-    if named is None:
-        return LogFile(
-            path, path.parent.name if path.name == "launch.log" else path.stem, None, known.st_mtime, known.st_size
-        )
-    return LogFile(path, named["program"], int(named["pid"]), int(named["start"]) * 1e-3, known.st_size)
+    if named is not None:
+        return LogFile(path, named["program"], int(named["pid"]), int(named["start"]) * 1e-3, known.st_size)
+    program = path.parent.name if path.name == "launch.log" else path.stem
+    return LogFile(path, program, None, known.st_mtime, known.st_size)

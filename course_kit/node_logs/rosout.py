@@ -19,6 +19,7 @@ from course_kit.text import table
 from course_kit.watching import instruments
 
 LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
+NUMBERS = {name: number for number, name in LEVELS.items()} | {"WARNING": 30}
 KEPT = 5000
 
 
@@ -111,12 +112,10 @@ def html_line(line: LogLine) -> str:
 
 def level_number(level: str) -> int:
     """The number of a level: 10 for DEBUG to 50 for FATAL. ValueError for another word."""
-    numbers = {name: number for number, name in LEVELS.items()}
     word = str(level).upper()
-    word = "WARN" if word == "WARNING" else word
-    if word not in numbers:
+    if word not in NUMBERS:
         raise ValueError(f"there is no log level {level!r}: a node logs DEBUG, INFO, WARN, ERROR or FATAL")
-    return numbers[word]
+    return NUMBERS[word]
 
 
 def is_of(line: LogLine, node: str) -> bool:
