@@ -43,7 +43,7 @@ class DeclareLaunchArgument(Action):
         output.get_logger("launch.actions.declare_launch_argument").error(message)
         raise RuntimeError(message)
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Give the argument its default value if it has none yet; refuse one that is none of the choices."""
         values = context.launch_configurations
         if self.name not in values:
@@ -58,7 +58,6 @@ class DeclareLaunchArgument(Action):
                 f'Argument "{self.name}" provided value "{values[self.name]}" is not valid. '
                 f"Valid options are: {self.choices}"
             )
-        return None
 
 
 def _description(given: str | None, choices: list[str] | None) -> str:
@@ -77,10 +76,9 @@ class TextAction(Action):
         self._texts = {name: normalize(text) for name, text in texts.items()}
         vars(self).update(self._texts)
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Perform the texts, and act on them."""
         self._act(context, *(perform(context, text) for text in self._texts.values()))
-        return None
 
     def _act(self, context: LaunchContext, *texts: Any) -> None:
         raise NotImplementedError

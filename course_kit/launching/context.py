@@ -27,6 +27,8 @@ class Locals:
 class LaunchContext:
     """The state of one launch."""
 
+    asyncio_loop: asyncio.AbstractEventLoop  # of the running launch
+
     def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = False) -> None:
         self.argv = list(argv or ())
         self.noninteractive = noninteractive
@@ -39,20 +41,9 @@ class LaunchContext:
         self.temporary_files: list[str] = []
         self.token = ""  # marks the processes of this launch
         self.group_interrupted = False  # a Ctrl-C reached every process by itself
-        self.loop: asyncio.AbstractEventLoop | None = None
+        self.environment = os.environ  # of processes; a launch file may change it
         self.local_values: dict[str, Any] = {}  # as long as an event is handled
         self._scopes: list[tuple[dict[str, Any], dict[str, str]]] = []
-
-    @property
-    def asyncio_loop(self) -> asyncio.AbstractEventLoop:
-        """The event loop of the running launch."""
-        assert self.loop is not None, "the launch is not running"
-        return self.loop
-
-    @property
-    def environment(self) -> os._Environ[str]:
-        """The environment that processes are started with; a launch file may change it."""
-        return os.environ
 
     @property
     def locals(self) -> Locals:

@@ -8,7 +8,7 @@ from typing import Any
 
 from course_kit.launching import events, output
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.entities import Action, Entities, LaunchDescriptionEntity
+from course_kit.launching.entities import Action, LaunchDescriptionEntity
 from course_kit.launching.handlers import EventHandler, OnShutdown
 from course_kit.launching.substitutions import SomeSubstitutions, as_bool, is_substitution, normalize, perform
 
@@ -22,10 +22,9 @@ class EmitEvent(Action):
             raise RuntimeError(f"EmitEvent() expected an event instance, got '{type(event)}' instead.")
         self.event = event
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Have the event handled."""
         context.emit_event_sync(self.event)
-        return None
 
 
 class Shutdown(EmitEvent):
@@ -36,14 +35,14 @@ class Shutdown(EmitEvent):
     def __init__(self, *, reason: str = "reason not given", **options: Any) -> None:
         super().__init__(event=events.Shutdown(reason=reason, due_to_sigint=False), **options)
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Have the launch end, and tell whose exit was the reason."""
         event = context.get_locals_as_dict().get("event")
         if isinstance(event, events.ProcessExited):
             output.get_logger("launch").info(
                 f"process[{event.process_name}] was required: shutting down launched system"
             )
-        return super().execute(context)
+        super().execute(context)
 
 
 class RegisterEventHandler(Action):
@@ -55,10 +54,9 @@ class RegisterEventHandler(Action):
             raise TypeError(f"RegisterEventHandler expected an event handler, got {event_handler!r}")
         self.event_handler = event_handler
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Add it."""
         context.register_event_handler(self.event_handler)
-        return None
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
         """What the handler leads to."""
@@ -73,10 +71,9 @@ class UnregisterEventHandler(Action):
         super().__init__(**options)
         self.event_handler = event_handler
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Take it away."""
         context.unregister_event_handler(self.event_handler)
-        return None
 
 
 class TimerAction(Action):
@@ -112,10 +109,10 @@ class TimerAction(Action):
         """Done when the time is over or the timer cancelled."""
         return self._task
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Start the timer."""
         if self._is_cancelled:
-            return None
+            return
         given = self.period
         period = float(given) if isinstance(given, (int, float)) else float(perform(context, given))
         self._locals = context.get_locals_as_dict()
@@ -129,7 +126,6 @@ class TimerAction(Action):
         wanted = self._cancel_on_shutdown
         if wanted if isinstance(wanted, bool) else as_bool(perform(context, normalize(wanted))):
             context.register_event_handler(OnShutdown(on_shutdown=lambda event, context: self.cancel()))
-        return None
 
     async def _wait(self, context: LaunchContext, period: float) -> None:
         await asyncio.sleep(period)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 import tempfile
@@ -11,7 +12,6 @@ from typing import Any
 from course_kit.launching import output, parameters
 from course_kit.launching.actions import TextAction
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.entities import Entities
 from course_kit.launching.package_substitutions import ExecutableInPackage
 from course_kit.launching.parameters import parameter_list
 from course_kit.launching.process import ExecuteProcess
@@ -24,38 +24,20 @@ from course_kit.launching.substitutions import (
 )
 
 NO_NAME = "<node_name_unspecified>"
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")
+_VALID = {"node_name": r"[A-Za-z_][A-Za-z0-9_]*", "namespace": r"/|(?!.*__)(/[A-Za-z_][A-Za-z0-9_]*)+"}
 
 
 def joined_namespace(base: str | None, namespace: str | None) -> str | None:
     """A namespace within another one, absolute; None if neither is given."""
     if base is None and namespace is None:
         return None
-    if not namespace:
-        name = base or "/"
-    elif base is None or namespace.startswith("/"):
-        name = namespace
-    else:
-        name = f"{base.rstrip('/')}/{namespace}"
-    name = name if name.startswith("/") else f"/{name}"
-    return name.rstrip("/") or "/"
+    return os.path.join("/", base or "", namespace or "").rstrip("/") or "/"
 
 
-def validate_name(name: str) -> None:
-    """Raise rclpy's error for a name that no node can have."""
-    if not _NAME.fullmatch(name):
-        from rclpy.validate_node_name import validate_node_name
-
-        validate_node_name(name)
-
-
-def validate_namespace(namespace: str) -> None:
-    """Raise rclpy's error for what is no namespace."""
-    if not _NAMESPACE.fullmatch(namespace) or "__" in namespace:
-        from rclpy.validate_namespace import validate_namespace as validate
-
-        validate(namespace)
+def validate(kind: str, text: str) -> None:
+    """Raise rclpy's error for what is no `kind`, node_name or namespace; rclpy is loaded for that only."""
+    if not re.fullmatch(_VALID[kind], text):
+        getattr(importlib.import_module(f"rclpy.validate_{kind}"), f"validate_{kind}")(text)
 
 
 class PushROSNamespace(TextAction):
@@ -69,7 +51,7 @@ class PushROSNamespace(TextAction):
         namespace = joined_namespace(before, pushed)
         assert namespace is not None
         try:
-            validate_namespace(namespace)
+            validate("namespace", namespace)
         except Exception:
             raise SubstitutionFailure(
                 f"The resulting namespace is invalid: [previous_namespace='{before}', pushed_namespace='{pushed}']"
@@ -132,20 +114,19 @@ class Node(ExecuteProcess):
         self._remappings = [] if remappings is None else _pairs(remappings)
         self.node_name = NO_NAME
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Work out its names, parameters and remappings, and start it."""
         base_name, namespace = self._names(context)
         is_known = base_name is not None and namespace is not None
         self.node_name = f"{(namespace or '<node_namespace_unspecified>').rstrip('/')}/{base_name or NO_NAME}"
-        values = {"name": f"__node:={base_name}"}
         words = [] if namespace is None else ["-r", f"__ns:={namespace}"]
         words += self._parameter_words(context, self.node_name if is_known else "/**")
         remaps = list(context.launch_configurations.get("ros_remaps", ()))
         remaps += [(perform(context, a), perform(context, b)) for a, b in self._remappings]
         words += [word for a, b in remaps for word in ("-r", f"{a}:={b}")]
         self.cmd += [normalize(word) for word in words]
-        context.extend_locals({"ros_specific_arguments": values})
-        entities = super().execute(context)
+        context.extend_locals({"ros_specific_arguments": {"name": f"__node:={base_name}"}})
+        super().execute(context)
         if is_known:
             context.node_names[self.node_name] += 1
             count = context.node_names[self.node_name]
@@ -154,17 +135,16 @@ class Node(ExecuteProcess):
                     f"there are now at least {count} nodes with the name {self.node_name} created within this "
                     "launch context"
                 )
-        return entities
 
     def _names(self, context: LaunchContext) -> tuple[str | None, str | None]:
         try:
             name = None if self._node_name is None else perform(context, self._node_name)
             if name is not None:
-                validate_name(name)
+                validate("node_name", name)
             own = None if self._namespace is None else perform(context, self._namespace)
             namespace = joined_namespace(context.launch_configurations.get("ros_namespace"), own)
             if namespace is not None:
-                validate_namespace(namespace)
+                validate("namespace", namespace)
         except Exception:
             output.get_logger("launch_ros.actions.node").error(
                 f"Error while expanding or validating node name or namespace for '{self._given}':"
@@ -180,19 +160,16 @@ class Node(ExecuteProcess):
             if isinstance(given, parameters.ParameterFile):
                 path = given.evaluate(context)
             else:
-                path = self._write(context, parameters.yaml_text(node, parameters.flat(context, given)))
+                text = parameters.yaml_text(node, parameters.flat(context, given))
+                with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False, encoding="utf-8") as file:
+                    file.write(text)
+                path = file.name
+                context.temporary_files.append(path)
             if os.path.isfile(path):
                 words += ["--params-file", path]
             else:
                 output.get_logger("launch_ros.actions.node").warning(f"Parameter file path is not a file: {path}")
         return words
-
-    @staticmethod
-    def _write(context: LaunchContext, text: str) -> str:
-        with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False, encoding="utf-8") as file:
-            file.write(text)
-        context.temporary_files.append(file.name)
-        return file.name
 
 
 def _inline(value: Any) -> str:

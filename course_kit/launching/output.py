@@ -83,18 +83,11 @@ class _Handler(logging.Handler):
         _log("launch.log", f"{record.created:.7f} {line}")
 
 
-_handler = _Handler(logging.INFO)
+_handler = _Handler()
 _handler.setFormatter(logging.Formatter("[%(levelname)s] [%(name)s]: %(message)s"))
 
 
-def set_debug(is_on: bool) -> None:
-    """Show debug messages, or not."""
-    _handler.setLevel(logging.DEBUG if is_on else logging.INFO)
-
-
-def verbosity() -> str:
-    """The name of the lowest level that is shown."""
-    return logging.getLevelName(_handler.level)
+show_from = _handler.setLevel  # the lowest level that is shown, by its name
 
 
 @cache

@@ -36,7 +36,7 @@ class FindPackage(Composed):
     def _text(self, context: LaunchContext, package: str) -> str:
         return self.find(package)
 
-    def find(self, package: str) -> str:
+    def find(self, name: str) -> str:
         """The folder of the package of that name."""
         raise NotImplementedError
 
@@ -44,17 +44,15 @@ class FindPackage(Composed):
 class FindPackagePrefix(FindPackage):
     """The prefix of a package."""
 
-    def find(self, package: str) -> str:
-        """The prefix of the package of that name."""
-        return package_prefix(package)
+    find = staticmethod(package_prefix)
 
 
 class FindPackageShare(FindPackage):
     """The share directory of a package."""
 
-    def find(self, package: str) -> str:
+    def find(self, name: str) -> str:
         """The share directory of the package of that name."""
-        return os.path.join(package_prefix(package), "share", package)
+        return os.path.join(package_prefix(name), "share", name)
 
 
 class ExecutableInPackage(Composed):

@@ -105,13 +105,13 @@ class ExecuteProcess(Action):
         """Done when it has ended for good."""
         return self._task
 
-    def execute(self, context: LaunchContext) -> Entities:
+    def execute(self, context: LaunchContext) -> None:
         """Start it, and handle the events that are about it."""
         if self._task is not None:
             raise RuntimeError(f"ExecuteLocal action '{self.name}': executed more than once: {self.describe()}")
         self._prepare(context)
         if context.is_shutdown:
-            return None
+            return
         self._ending = context.asyncio_loop.create_future()
         for handler in (
             _on(events.ShutdownProcess, self._on_shutdown_process),
@@ -121,7 +121,6 @@ class ExecuteProcess(Action):
         ):
             context.register_event_handler(handler)
         self._task = context.asyncio_loop.create_task(self._run(context))
-        return None
 
     def _prepare(self, context: LaunchContext) -> None:
         """Perform the substitutions."""

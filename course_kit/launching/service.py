@@ -20,7 +20,8 @@ class LaunchService:
     """One launch, in the main thread of its process."""
 
     def __init__(self, *, argv: Iterable[str] | None = None, noninteractive: bool = False, debug: bool = False) -> None:
-        output.set_debug(debug)
+        self._verbosity = "DEBUG" if debug else "INFO"
+        output.show_from(self._verbosity)
         self._logger = output.get_logger("launch")
         self.context = LaunchContext(argv=argv, noninteractive=noninteractive)
         include = EventHandler(
@@ -50,10 +51,10 @@ class LaunchService:
                     os.unlink(path)
 
     async def _run(self) -> int:
-        loop = self.context.loop = asyncio.get_running_loop()
+        loop = self.context.asyncio_loop = asyncio.get_running_loop()
         terminated = self._terminated = loop.create_future()
         self._logger.info(f"All log files can be found below {output.launch_folder()}")
-        self._logger.info(f"Default logging verbosity is set to {output.verbosity()}")
+        self._logger.info(f"Default logging verbosity is set to {self._verbosity}")
         loop.add_signal_handler(signal.SIGINT, self._on_sigint)
         for number in (signal.SIGTERM, signal.SIGQUIT):
             loop.add_signal_handler(number, self._on_sigterm, number)

@@ -173,9 +173,6 @@ class ThisLaunchFile(Composed):
 
     _local = "current_launch_file_path"
 
-    def __init__(self) -> None:
-        super().__init__()
-
     def _text(self, context: LaunchContext) -> str:
         values = context.get_locals_as_dict()
         if self._local not in values:
