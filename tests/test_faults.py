@@ -40,7 +40,7 @@ def test_a_fault_can_be_chosen_from_several_causes_and_does_not_name_itself(faul
     assert fault.id in offered
     assert fault.cause not in (fault.symptom, fault.evidence, *fault.hints)
     assert len(fault.hints) == 3
-    assert fault.looks
+    assert fault.commands
 
 
 @pytest.mark.parametrize("fault", EVERY, ids=lambda one: one.id)
@@ -55,7 +55,7 @@ def test_a_fault_starts_some_program_otherwise(fault: Fault):
 @pytest.mark.parametrize("fault", EVERY, ids=lambda one: one.id)
 def test_command_lines_in_hints_are_ones_that_ros2_understands(fault: Fault):
     named = [line for hint in fault.hints for line in re.findall(r"`%ros2 ([^`]+)`", hint)]
-    lines = [*named, *(line.partition(" ")[2] for line in fault.looks)]
+    lines = [*named, *(line.partition(" ")[2] for line in fault.commands)]
     for line in lines:
         assert hasattr(parser_for(shlex.split(line)).parse_args(shlex.split(line)), "verb"), line
 

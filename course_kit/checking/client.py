@@ -22,7 +22,6 @@ from course_kit.programs.child_process import Process
 
 START_TIMEOUT = 20.0  # seconds until the checker answers at all
 GRACE = 6.0  # seconds that a check may take more than its exercise says: discovery before, tidying after
-OBEY_GRACE = 0.5
 MODULE = "course_kit.checking"
 
 
@@ -79,13 +78,7 @@ class CheckerProcess:
         raise Stuck("the checker did not answer in time")
 
     def _obey(self, order: Message, names: Mapping[str, Any]) -> None:
-        """Do what is ordered; after its time is over, answer that it did not return and have it end."""
-        obeying = answer_host.Obeying(order, names)
-        answer = obeying.wait(float(order["timeout"]))
-        if answer is None:
-            obeying.interrupt()
-            obeying.wait(OBEY_GRACE)
-            answer = {"error": "it did not return in time"}
+        answer = answer_host.obey(order, names, float(order["timeout"]))
         try:
             self._lines.send({"answer": order["order"], **answer})
         except TooLong as error:

@@ -104,37 +104,32 @@ class Progress:
         except Damaged as damaged:
             self.points, self._notice = {}, f"{str(damaged)[0].upper()}{str(damaged)[1:]}."
 
-    def chapters(self) -> list[tuple[str, int, int]]:
-        """(title, points, of how many) of every chapter."""
-        return [
-            (title, sum(self._of(one) for one in asked), sum(one.points for one in asked))
-            for title, asked in ((title, exercises.of_chapter(name)) for name, title in exercises.CHAPTERS.items())
-        ]
-
-    def _of(self, exercise: Exercise) -> int:
-        return min(exercise.points, self.points.get(exercise.name, 0))
+    def _chapters(self) -> Iterator[tuple[str, int, int, list[tuple[Exercise, int]]]]:
+        """Of every chapter its title, the points, of how many, and its exercises with the points of each."""
+        for chapter, title in exercises.CHAPTERS.items():
+            solved = [(each, min(each.points, self.points.get(each.name, 0))) for each in exercises.of_chapter(chapter)]
+            yield title, sum(points for _, points in solved), sum(each.points for each, _ in solved), solved
 
     def __repr__(self) -> str:
         lines = [self._notice] if self._notice else []
-        for (title, points, of), name in zip(self.chapters(), exercises.CHAPTERS, strict=True):
-            filled = round(WIDTH * points / of) if of else 0
-            lines.append(f"{title:20} {'█' * filled}{'·' * (WIDTH - filled)} {points:3} of {of} points")
-            for one in exercises.of_chapter(name):
-                got = self._of(one)
-                mark = "✔" if got == one.points else "◐" if got else "○"
-                lines.append(f"  {mark} {one.name:12} {one.title:34} {got} of {one.points}   {one.level}")
+        for title, points, max_points, solved in self._chapters():
+            filled = round(WIDTH * points / max_points)
+            lines.append(f"{title:20} {'█' * filled}{'·' * (WIDTH - filled)} {points:3} of {max_points} points")
+            for each, got in solved:
+                mark = "✔" if got == each.points else "◐" if got else "○"
+                lines.append(f"  {mark} {each.name:12} {each.title:34} {got} of {each.points}   {each.level}")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         rows = [f"<tr><td colspan='3'>{html.escape(self._notice)}</td></tr>"] if self._notice else []
-        for (title, points, of), name in zip(self.chapters(), exercises.CHAPTERS, strict=True):
-            bar = f"<progress max='{of}' value='{points}'></progress>"
-            rows.append(f"<tr><th style='text-align:left'>{title}</th><td>{bar}</td><td>{points} of {of}</td></tr>")
-            for one in exercises.of_chapter(name):
-                got = self._of(one)
-                small = f"<progress max='{one.points}' value='{got}' style='width:5em'></progress>"
+        for title, points, max_points, solved in self._chapters():
+            bar = f"<progress max='{max_points}' value='{points}'></progress>"
+            total = f"{points} of {max_points}"
+            rows.append(f"<tr><th style='text-align:left'>{title}</th><td>{bar}</td><td>{total}</td></tr>")
+            for each, got in solved:
+                small = f"<progress max='{each.points}' value='{got}' style='width:5em'></progress>"
                 rows.append(
-                    f"<tr><td style='text-align:left'>&emsp;{one.name} · {one.title}</td><td>{small}</td>"
-                    f"<td>{got} of {one.points}</td></tr>"
+                    f"<tr><td style='text-align:left'>&emsp;{each.name} · {each.title}</td><td>{small}</td>"
+                    f"<td>{got} of {each.points}</td></tr>"
                 )
         return f"<table class='course-kit-progress'>{''.join(rows)}</table>"

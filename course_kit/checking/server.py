@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from course_kit import exercises
-from course_kit.checking.watching import open_watch
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.examining import examination, own_types
 from course_kit.examining.domains import reserve_stage
@@ -23,6 +22,7 @@ from course_kit.examining.station import Heard, Station
 from course_kit.examining.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 
 DISCOVERY_TIMEOUT = 3.0
+LOG_TOPIC = "/rosout"
 END_TIMEOUT = 3.0  # seconds for leaving both domains in good order
 
 
@@ -71,7 +71,6 @@ class Checker:
 
     def examine(self, exercise: Exercise, value: Any, folder: str) -> Verdict:
         """Check one exercise; `folder` is the notebook's."""
-        began = time.monotonic()
         running = Examination(exercise, self.stage, self.student, self._watched, self._order, Path(folder))
         state, note = LOOKED_AT, ""
         examination.begin(running)
@@ -106,7 +105,6 @@ class Checker:
             state,
             tuple(running.findings) if state == LOOKED_AT else (),
             note,
-            round(time.monotonic() - began, 3),
         )
 
     def _tidy(self, running: Examination) -> None:
@@ -154,11 +152,12 @@ class Checker:
 
     def _watch(self, chapter: str) -> None:
         """Listen to what the chapter's exercises watch, from now on."""
-        topics = {topic for one in exercises.of_chapter(chapter) for topic in one.watches} - self._watched.keys()
-        if "/rosout" in topics:
-            self.student.node_log()
-        for topic in sorted(topics - {"/rosout"}):
-            self._watched[topic] = open_watch(self.student, topic)
+        for exercise in exercises.of_chapter(chapter):
+            for topic in sorted(exercise.watches.keys() - self._watched.keys()):
+                if topic == LOG_TOPIC:
+                    self.student.node_log()
+                else:
+                    self._watched[topic] = self.student.listen(topic, exercise.watches[topic], keep=True)
 
     def _order(self, order: Message, timeout: float) -> dict[str, Any]:
         """Have the notebook do something. Raises Closed if it has gone."""

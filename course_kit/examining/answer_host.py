@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import ctypes
 import threading
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +23,12 @@ from course_kit.internals import going_on_without
 from course_kit.internals.rclpy_parts import pending_requests
 from course_kit.spinning import NodeStopped
 from course_kit.spinning import context as ros_context
-from course_kit.spinning.executors import SpinThread
+from course_kit.spinning.executors import SpinThread, interrupt
 from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, construct, quiet_node, with_base
 
 STOP_TIMEOUT = 0.5
+INTERRUPT_TIMEOUT = 0.5
+NOT_IN_TIME = {"error": "it did not return in time"}
 KEPT_ERRORS = 20
 PACKAGE = Path(__file__).parents[1]
 THREADS = 4  # of a MultiThreadedExecutor, where an exercise asks for one
@@ -58,7 +59,7 @@ class AnswerHost:
         # Keeps the participant alive between checks, so that discovery need not begin again.
         self._keeper = quiet_node("_stage", self._context)
         self._spinning: SpinThread | None = None
-        self._errors: list[str] = []
+        self.errors: list[str] = []  # what the callbacks of the node raised
 
     def start(self, node_class: type[Node], arguments: list[Any], threads: bool) -> None:
         """Make a node of the class and spin it; whatever its constructor raises is raised."""
@@ -69,17 +70,13 @@ class AnswerHost:
             raise TypeError(f'{node_class.__name__}.__init__ must begin with super().__init__("name of the node")')
         executor = MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else None
         name = node.get_fully_qualified_name()
-        self._errors.clear()
+        self.errors.clear()
         self._spinning = SpinThread(node, lambda error: self._note(name, error), executor).start()
 
     def _note(self, name: str, error: Exception) -> None:
         text = f"A callback of {name} raised {described(error)}."
-        if text not in self._errors[-1:] and len(self._errors) < KEPT_ERRORS:
-            self._errors.append(text)
-
-    def errors(self) -> list[str]:
-        """What the callbacks of the node raised."""
-        return list(self._errors)
+        if text not in self.errors[-1:] and len(self.errors) < KEPT_ERRORS:
+            self.errors.append(text)
 
     @property
     def node(self) -> Node:
@@ -125,14 +122,56 @@ def _on(domain: int) -> AnswerHost:
     return _host
 
 
-def obey(order: Mapping[str, Any], names: Mapping[str, Any]) -> dict[str, Any]:
-    """Do what an order says, with the notebook's variables `names`; return {"value": …} or {"error": …}."""
+def obey(order: Mapping[str, Any], names: Mapping[str, Any], timeout: float) -> dict[str, Any]:
+    """Do what an order says, with the notebook's variables `names`; return {"value": …} or {"error": …}.
+
+    In a thread of its own, so that what a student wrote can neither block nor end the notebook; what has not returned
+    after `timeout` seconds is interrupted.
+    """
+    answers: list[dict[str, Any]] = []
+    work = threading.Thread(target=lambda: answers.append(_answer(order, names)), name="course_kit check", daemon=True)
+    work.start()
+    work.join(timeout)
+    if answers:
+        return answers[0]
+    interrupt(work)
+    work.join(INTERRUPT_TIMEOUT)
+    return NOT_IN_TIME
+
+
+def _answer(order: Mapping[str, Any], names: Mapping[str, Any]) -> dict[str, Any]:
     try:
-        return {"value": _ORDERS[order["do"]](order, names)}
+        return {"value": _do(order, names)}
     except NodeStopped:
-        return {"error": "it did not return in time"}
+        return NOT_IN_TIME
     except BaseException as error:  # a student's class may raise anything, SystemExit too
         return {"error": f"{type(error).__name__}: {error}".splitlines()[0], "trace": described(error)}
+
+
+def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
+    if order["do"] == "has":
+        return isinstance(names.get(order["node_class"]), type)
+    host = _on(order["domain"])
+    match order["do"]:
+        case "start":
+            node_class, name = names[order["node_class"]], order["node_class"]
+            if not issubclass(node_class, Node):
+                raise TypeError(f"{name} is not derived from rclpy.node.Node. Write: class {name}(Node)")
+            host.start(node_class, [], order["threads"])
+        case "stop":
+            host.stop()
+        case "call":
+            return as_json(getattr(host.node, order["method"])(*order["arguments"]))
+        case "read":
+            return as_json(getattr(host.node, order["attribute"]))
+        case "pending":  # how many calls of the node's clients still wait for an answer
+            with going_on_without("a check does not see calls that still wait for an answer"):
+                return sum(len(pending_requests(client)) for client in host.node.clients)
+        case "ready":  # whether each of the node's clients has found a server
+            return all(client.service_is_ready() for client in host.node.clients)
+        case "errors":  # what the callbacks of the node raised
+            return list(host.errors)
+    return None
 
 
 def described(error: BaseException) -> str:
@@ -144,71 +183,3 @@ def described(error: BaseException) -> str:
 
 def _is_plumbing(path: Path) -> bool:
     return PACKAGE in path.parents or "rclpy" in path.parts or "site-packages" in path.parts
-
-
-def _has(order: Mapping[str, Any], names: Mapping[str, Any]) -> bool:
-    return isinstance(names.get(order["node_class"]), type)
-
-
-def _start(order: Mapping[str, Any], names: Mapping[str, Any]) -> None:
-    node_class = names[order["node_class"]]
-    if not issubclass(node_class, Node):
-        raise TypeError(
-            f"{order['node_class']} is not derived from rclpy.node.Node. Write: class {order['node_class']}(Node)"
-        )
-    _on(order["domain"]).start(node_class, [], order["threads"])
-
-
-def _call(order: Mapping[str, Any], _: Mapping[str, Any]) -> Any:
-    return as_json(getattr(_on(order["domain"]).node, order["method"])(*order["arguments"]))
-
-
-def _read(order: Mapping[str, Any], _: Mapping[str, Any]) -> Any:
-    return as_json(getattr(_on(order["domain"]).node, order["attribute"]))
-
-
-def _pending(order: Mapping[str, Any], _: Mapping[str, Any]) -> int:
-    """How many calls of the node's clients still wait for an answer."""
-    with going_on_without("a check does not see calls that still wait for an answer"):
-        return sum(len(pending_requests(client)) for client in _on(order["domain"]).node.clients)
-    return 0
-
-
-def _ready(order: Mapping[str, Any], _: Mapping[str, Any]) -> bool:
-    """Whether each of the node's clients has found a server."""
-    return all(client.service_is_ready() for client in _on(order["domain"]).node.clients)
-
-
-_ORDERS: dict[str, Callable[[Mapping[str, Any], Mapping[str, Any]], Any]] = {
-    "has": _has,
-    "start": _start,
-    "stop": lambda order, _: _on(order["domain"]).stop(),
-    "call": _call,
-    "read": _read,
-    "pending": _pending,
-    "ready": _ready,
-    "errors": lambda order, _: _on(order["domain"]).errors(),
-}
-
-
-class Obeying:
-    """Obeys one order in a thread of its own, so that what a student wrote can neither block nor end the notebook."""
-
-    def __init__(self, order: Mapping[str, Any], names: Mapping[str, Any]) -> None:
-        self._answer: dict[str, Any] | None = None
-        self._thread = threading.Thread(target=self._obey, args=(order, names), name="course_kit check", daemon=True)
-        self._thread.start()
-
-    def _obey(self, order: Mapping[str, Any], names: Mapping[str, Any]) -> None:
-        self._answer = obey(order, names)
-
-    def wait(self, timeout: float) -> dict[str, Any] | None:
-        """The answer; None if it is not there after `timeout` seconds."""
-        self._thread.join(timeout)
-        return self._answer
-
-    def interrupt(self) -> None:
-        """Have it end, if it still runs: a Python loop at once, a sleep when it is over."""
-        if self._thread.is_alive() and self._thread.ident is not None:
-            ident = ctypes.c_ulong(self._thread.ident)
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(ident, ctypes.py_object(NodeStopped))

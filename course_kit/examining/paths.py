@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
+from typing import Any, Protocol
 
 Point = tuple[float, float]
 
@@ -57,6 +57,11 @@ def two_loops(poses: Sequence[PoseLike]) -> tuple[Loop, Loop]:
 def longest_jump(poses: Sequence[PoseLike]) -> float:
     """The longest way between two poses that follow each other, metres."""
     return max((math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses)), default=0.0)
+
+
+def top_speed(poses: Sequence[Any]) -> float:
+    """The greatest `linear_velocity` of a path, m/s."""
+    return max((pose.linear_velocity for pose in poses), default=0.0)
 
 
 def nearest_approach(poses: Sequence[PoseLike], point: Point) -> float:

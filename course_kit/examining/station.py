@@ -142,8 +142,11 @@ class Station:
 
     # What lasts as long as a check.
 
-    def listen(self, topic: str, message_type: Any) -> Heard:
-        """Subscribe to a topic; with the reliability of its publishers, and without what they kept for newcomers."""
+    def listen(self, topic: str, message_type: Any, keep: bool = False) -> Heard:
+        """Subscribe to a topic; with the reliability of its publishers, and without what they kept for newcomers.
+
+        With `keep` beyond the end of the check.
+        """
         published = graph.publishers(self.node, topic)
         best_effort = any(p.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for p in published)
         qos = QoSProfile(
@@ -153,12 +156,9 @@ class Station:
         )
         heard = Heard(message_type, topic)
         heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
-        self._opened.append(heard)
+        if not keep:
+            self._opened.append(heard)
         return heard
-
-    def keep(self, heard: Heard) -> None:
-        """Have a subscription outlast the check."""
-        self._opened.remove(heard)
 
     def node_log(self) -> NodeLog:
         """What the nodes log, from the first call on."""

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 from course_kit.examining.paths import Point, star
@@ -33,40 +35,32 @@ def _pixel(point: Point) -> tuple[int, int]:
 
 def star_seen(turtlesim: Any) -> StarSeen:
     """Look at the trails of a TurtleSim of this process."""
-    image = turtlesim.world.scene().trails
-    corners = star((MIDDLE, MIDDLE), RADIUS)
-    lines = list(pairwise(corners))
-    complete = sum(_is_painted(image, *line) for line in lines)
-    level = lines[2]  # from 18° to 162°
-    x = round((level[0][0] + level[1][0]) / 2 * METER) + 3
-    y = _pixel(level[0])[1]
-    width = sum(
-        image.getpixel((x, row))[:3] == YELLOW and image.getpixel((x, row))[3] > 0 for row in range(y - 15, y + 16)
-    )
-    allowed = Image.new("L", (SIZE, SIZE), 0)
-    draw = ImageDraw.Draw(allowed)
+    pixels = np.asarray(turtlesim.world.scene().trails)
+    painted = pixels[..., 3] > 0
+    yellow = painted & (pixels[..., :3] == YELLOW).all(axis=-1)
+    lines = list(pairwise(star((MIDDLE, MIDDLE), RADIUS)))
+    (left, y), (right, _) = lines[2]  # the level one, from 18° to 162°
+    x, y = _pixel(((left + right) / 2, y))
+    near = Image.new("L", (SIZE, SIZE), 0)
+    draw = ImageDraw.Draw(near)
     for a, b in lines:
         draw.line((*_pixel(a), *_pixel(b)), 255, 2 * TOLERANCE)
-        for x0, y0 in (_pixel(a), _pixel(b)):
-            draw.ellipse((x0 - TOLERANCE, y0 - TOLERANCE, x0 + TOLERANCE, y0 + TOLERANCE), 255)
-    painted, near = image.getchannel("A").tobytes(), allowed.tobytes()
-    elsewhere = sum(1 for alpha, ok in zip(painted, near, strict=True) if alpha and not ok)
-    return StarSeen(complete, width, elsewhere)
+        for end in (a, b):
+            draw.circle(_pixel(end), TOLERANCE, 255)
+    return StarSeen(
+        complete=sum(_is_painted(yellow, *line) for line in lines),
+        width=int(yellow[y - 15 : y + 16, x + 3].sum()),
+        elsewhere=int((painted & (np.asarray(near) == 0)).sum()),
+    )
 
 
-def _is_painted(image: Image.Image, a: Point, b: Point) -> bool:
+def _is_painted(yellow: npt.NDArray[np.bool_], a: Point, b: Point) -> bool:
     """Whether a line is yellow nearly everywhere, within a pixel or three of where it should be."""
     hits = 0
-    for number in range(1, SAMPLES):
-        part = number / SAMPLES
+    for part in np.arange(1, SAMPLES) / SAMPLES:
         x, y = _pixel((a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part))
-        around = [(x + dx, y + dy) for dx in range(-3, 4) for dy in range(-3, 4)]
-        hits += any(_yellow(image.getpixel((px, py))) for px, py in around if 0 <= px < SIZE and 0 <= py < SIZE)
+        hits += bool(yellow[max(0, y - 3) : y + 4, max(0, x - 3) : x + 4].any())
     return hits >= 0.95 * (SAMPLES - 1)
-
-
-def _yellow(pixel: Any) -> bool:
-    return pixel[3] > 0 and pixel[:3] == YELLOW
 
 
 def distance_to_end(turtlesim: Any) -> float:

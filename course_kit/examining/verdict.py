@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 NOT_BEGUN = "not begun"
@@ -50,7 +50,6 @@ class Verdict:
     state: str = LOOKED_AT
     findings: tuple[Finding, ...] = ()
     note: str = ""  # what to do, if nothing was looked at
-    seconds: float = field(default=0.0, compare=False)
 
     @property
     def points(self) -> int:

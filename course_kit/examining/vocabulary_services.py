@@ -8,6 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from rclpy.task import Future
+
 from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
 from course_kit.examining.station import Station
@@ -66,20 +68,14 @@ class Client:
         if not self._client.service_is_ready():
             return [Answer(None, timeout) for _ in requests]
         began = time.monotonic()
-        done: dict[int, float] = {}
-        futures = []
-        for number, fields in enumerate(requests):
-            future = self._client.call_async(self._type.Request(**fields))
-            future.add_done_callback(lambda _, number=number: done.setdefault(number, time.monotonic() - began))
-            futures.append(future)
-        wait(lambda: len(done) == len(futures), timeout, f"the response of {self._name}")
-        answers = []
-        for number, future in enumerate(futures):
-            if number in done:
-                answers.append(Answer(future.result(), done[number]))
-            else:
-                self._client.remove_pending_request(future)
-                answers.append(Answer(None, timeout))
+        seconds: dict[Future, float] = {}  # of those that are answered
+        futures = [self._client.call_async(self._type.Request(**request)) for request in requests]
+        for future in futures:
+            future.add_done_callback(lambda done: seconds.setdefault(done, time.monotonic() - began))
+        wait(lambda: len(seconds) == len(futures), timeout, f"the response of {self._name}")
+        answers = [Answer(f.result(), seconds[f]) if f in seconds else Answer(None, timeout) for f in futures]
+        for future in futures:
+            self._client.remove_pending_request(future)  # does nothing for those that are answered
         return answers
 
 

@@ -8,16 +8,7 @@ import time
 from example_interfaces.action import Fibonacci
 
 from course_kit.examining.exercise import exercise
-from course_kit.examining.vocabulary import (
-    a_turtle,
-    answer,
-    expect,
-    pause,
-    read,
-    require,
-    wait,
-    wait_for_attribute,
-)
+from course_kit.examining.vocabulary import a_turtle, answer, expect, pause, read, require, wait, wait_for_attribute
 from course_kit.examining.vocabulary_actions import FibonacciServer, expect_action
 
 

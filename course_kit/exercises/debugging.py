@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 import time
-from itertools import pairwise
 from typing import Any
 
-from rcl_interfaces.msg import LoggerLevel
+from rcl_interfaces.msg import Log, LoggerLevel
 from rcl_interfaces.srv import SetLoggerLevels
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
+from turtlesim.msg import Pose
 
-from course_kit.bags.files import BagInfo, info
-from course_kit.bags.storage import BagError
+from course_kit import bags
+from course_kit.examining import paths
 from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
@@ -45,19 +45,13 @@ SET_LEVELS = "/quiet/set_logger_levels"
 @exercise("debugging-1", "Who keeps, who loses", points=2, minutes=8, level="warm-up", timeout=5, value=True)
 def who_keeps(value: Any) -> None:
     """The topic that is kept for latecomers, and the one that may lose messages."""
-    kept, lossy = parts(value, 2)
-    expect_value(
-        "the topic that is kept for those who come later",
-        _absolute(kept),
-        "/speed_limit",
-        "Its publisher has Durability TRANSIENT_LOCAL: `%ros2 topic info -v` of each topic shows it.",
-    )
-    expect_value(
-        "the topic that may lose messages",
-        _absolute(lossy),
-        SCANS,
-        "Its publisher has Reliability BEST_EFFORT: `%ros2 topic info -v` of each topic shows it.",
-    )
+    kept, lossy = map(_absolute, parts(value, 2))
+    for text, given, wanted, policy in (
+        ("the topic that is kept for those who come later", kept, "/speed_limit", "Durability TRANSIENT_LOCAL"),
+        ("the topic that may lose messages", lossy, SCANS, "Reliability BEST_EFFORT"),
+    ):
+        hint = f"Its publisher has {policy}: `%ros2 topic info -v` of each topic shows it."
+        expect_value(text, given, wanted, hint)
 
 
 def _absolute(name: Any) -> Any:
@@ -72,7 +66,7 @@ def _absolute(name: Any) -> Any:
     level="medium",
     timeout=25,
     node_class="Quiet",
-    watches=("/rosout", POSES),
+    watches={"/rosout": Log, POSES: Pose},
 )
 def not_so_loud() -> None:
     """It logs INFO once a second at most, and each pose when it is asked for DEBUG."""
@@ -93,7 +87,12 @@ def not_so_loud() -> None:
         f"In 3 s it logged {len(infos)} lines{_such_as(infos)}: `throttle_duration_sec=1.0` as an argument of "
         f"`info(…)` leaves the others out.",
     )
-    is_set = expect("its level can be set from outside", _set_level(DEBUG), _why_not_set())
+    is_set = expect(
+        "its level can be set from outside",
+        _set_level(DEBUG),
+        f"It has no service `{SET_LEVELS}`, or does not answer: make the node with "
+        '`super().__init__("quiet", enable_logger_service=True)`.',
+    )
     try:
         began = time.time_ns()
         wait(lambda: len(_details_since(began)) >= MANY, 4.0)
@@ -128,13 +127,6 @@ def _set_level(level: int) -> bool:
     return response is not None and all(result.successful for result in response.results)
 
 
-def _why_not_set() -> str:
-    return (
-        f"It has no service `{SET_LEVELS}`, or does not answer: make the node with "
-        '`super().__init__("quiet", enable_logger_service=True)`.'
-    )
-
-
 @exercise("debugging-3", "A watchdog", points=3, minutes=12, level="medium", timeout=20, node_class="Watchdog")
 def watchdog() -> None:
     """It says five times a second whether a scan has come in the last half second."""
@@ -153,8 +145,8 @@ def watchdog() -> None:
     publish_steadily(laser, [LaserScan(ranges=[1.0])] * 20, period=0.1)
     with_scans = values(alive, "data")[-5:]
     began = time.time_ns()
-    wait(lambda: _turned_false(alive, began), 2.0)
-    delay = next((when - began for when in _false_times(alive) if when >= began), 0) * 1e-9
+    wait(lambda: _false_times(alive, began), 2.0)
+    delay = next((when - began for when in _false_times(alive, began)), 0) * 1e-9
     expect(
         "it says true while scans come, and false half a second after the last",
         all(with_scans) and with_scans and 0.2 <= delay <= 1.1,
@@ -170,47 +162,36 @@ def _said(heard: Heard) -> str:
     return f"It said {said[-5:]}." if said else "It said nothing."
 
 
-def _false_times(heard: Heard) -> list[int]:
-    return [when for when, data in zip(heard.times, values(heard, "data"), strict=False) if not data]
-
-
-def _turned_false(heard: Heard, since: int) -> bool:
-    return any(when >= since for when in _false_times(heard))
+def _false_times(heard: Heard, since: int) -> list[int]:
+    return [when for when, message in heard.arrivals if when >= since and not message.data]
 
 
 @exercise("debugging-4", "A bag of a circle", points=2, minutes=10, level="medium", timeout=20, value=True)
 def circle(value: Any) -> None:
     """A bag with the two topics and nothing else, in which the turtle goes round once."""
     require("the answer is the path of a bag", isinstance(value, str), f'You gave {value!r}: a text, such as "circle".')
-    path = current().folder / value
+    bag, hint = None, ""
     try:
-        found, hint = info(path), ""
-    except (BagError, OSError) as error:
-        found, hint = None, f"{error} The path is seen from the folder in which the notebook lies."
-    require("there is a bag", found is not None, hint)
-    assert found is not None
-    there = sorted(topic.name for topic in found.topics if topic.count)
+        bag = bags.info(current().folder / value)
+    except (bags.BagError, OSError) as error:
+        hint = f"{error} The path is seen from the folder in which the notebook lies."
+    require("there is a bag", bag is not None, hint)
+    assert bag is not None
+    names = sorted(topic.name for topic in bag.topics if topic.count)
     expect(
         "it has both topics and nothing else, for at least 5 s",
-        there == sorted(DRIVEN) and found.seconds >= 5.0,
-        f"It has messages of {', '.join(there) or 'nothing'}, and is {found.seconds:.1f} s long: name the topics to "
+        names == sorted(DRIVEN) and bag.seconds >= 5.0,
+        f"It has messages of {', '.join(names) or 'nothing'}, and is {bag.seconds:.1f} s long: name the topics to "
         f"`bags.record(…)`, and drive while it records.",
     )
-    poses = _poses(found)
-    turned = abs(sum(math.remainder(b.theta - a.theta, math.tau) for a, b in pairwise(poses)))
-    fastest = max((one.linear_velocity for one in poses), default=0.0)
+    poses = [message for _, _, message in bags.read(bag.path, POSES)]
+    turned, fastest = abs(paths.headings(poses)[-1]), paths.top_speed(poses)
     expect(
         "the turtle goes round once, at 1 m/s or more",
         turned >= 0.97 * math.tau and fastest >= 0.99,
         f"In the bag it turns by {math.degrees(turned):.0f}° and drives at {fastest:.1f} m/s at most: a circle takes "
         f"2π / angular.z seconds.",
     )
-
-
-def _poses(found: BagInfo) -> list[Any]:
-    from course_kit import bags
-
-    return [message for _, _, message in bags.read(found.path, POSES)]
 
 
 @exercise("debugging-6", "Three patients", points=5, minutes=30, level="harder", timeout=25, value=True)

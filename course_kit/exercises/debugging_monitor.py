@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from typing import Any
 
@@ -38,11 +39,11 @@ def monitor() -> None:
     expect_compatible_subscription(POSES, turtle)
     heard = listen("/diagnostics", DiagnosticArray)
     pause(3.3)
-    first = heard.last.status if len(heard) else []
+    names = [status.name for status in _last(heard)]
     expect(
         "each report has a status for both topics",
-        sorted(one.name for one in first) == [SCANS, POSES],
-        f"The last report names {', '.join(one.name for one in first) or 'nothing'}: one DiagnosticStatus for each "
+        sorted(names) == [SCANS, POSES],
+        f"The last report names {', '.join(names) or 'nothing'}: one DiagnosticStatus for each "
         f"topic, with the topic as its name.",
     )
     expect_rate(heard, 1.0, within=0.15)
@@ -81,16 +82,18 @@ def _drive(laser: Any, turtle: Any, every: int) -> None:
 
 
 def _levels(heard: Heard) -> dict[str, str]:
-    return {one.name: LEVELS.get(bytes(one.level), "?") for one in heard.last.status} if len(heard) else {}
+    return {status.name: LEVELS.get(bytes(status.level), "?") for status in _last(heard)}
 
 
 def _rates(heard: Heard) -> dict[str, float]:
-    found = {}
-    for one in heard.last.status if len(heard) else []:
-        for pair in one.values:
+    rates = {}
+    for status in _last(heard):
+        for pair in status.values:
             if pair.key == "rate":
-                try:
-                    found[one.name] = float(pair.value.split()[0])
-                except (ValueError, IndexError):
-                    continue
-    return found
+                with contextlib.suppress(ValueError, IndexError):
+                    rates[status.name] = float(pair.value.split()[0])
+    return rates
+
+
+def _last(heard: Heard) -> list[Any]:
+    return heard.last.status if len(heard) else []

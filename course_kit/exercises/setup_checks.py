@@ -5,6 +5,9 @@ from __future__ import annotations
 import os
 from typing import Any
 
+from rcl_interfaces.msg import Log
+from turtlesim.msg import Pose
+
 from course_kit.examining import paths
 from course_kit.examining.exercise import exercise
 from course_kit.examining.vocabulary import expect, expect_value, parts, require
@@ -50,7 +53,7 @@ def read_the_report(value: Any) -> None:
     level="warm-up",
     timeout=8,
     node_class="Greeter",
-    watches=("/rosout",),
+    watches={"/rosout": Log},
 )
 def greeter() -> None:
     """A node /greeter runs and has logged a greeting with a name in it, at the level INFO."""
@@ -73,7 +76,7 @@ def greeter() -> None:
     level="medium",
     timeout=8,
     node="/turtlesim",
-    watches=("/turtle1/pose",),
+    watches={"/turtle1/pose": Pose},
 )
 def corners() -> None:
     """Since it was started, the turtle has been near each of the four corners, and drove there."""
@@ -108,7 +111,7 @@ def corners() -> None:
     level="harder",
     timeout=8,
     node="/robot2/turtlesim",
-    watches=("/turtle1/pose", f"{SECOND}/pose"),
+    watches={"/turtle1/pose": Pose, f"{SECOND}/pose": Pose},
     value=True,
 )
 def two_robots(value: Any) -> None:

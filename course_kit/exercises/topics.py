@@ -14,15 +14,7 @@ from turtlesim.msg import Pose
 from course_kit.examining import paths
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import (
-    a_turtle,
-    answer,
-    expect,
-    pause,
-    require,
-    wait,
-    wait_for_attribute,
-)
+from course_kit.examining.vocabulary import a_turtle, answer, expect, pause, require, wait, wait_for_attribute
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_rate,

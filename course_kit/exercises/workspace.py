@@ -181,15 +181,11 @@ def battery() -> None:
     count = len(heard)
     wait(lambda: len(heard) > count + 1, 4.0, "the next messages on /battery")
     then = values(heard, "percentage")[-1:]
+    is_refused = refused is not None and not refused.accepted and refused.reason
+    is_accepted = accepted is not None and accepted.accepted and then and 80.0 <= then[0] <= 90.0
     expect(
         "`/recharge` sets the percentage, and refuses more than 100",
-        refused is not None
-        and not refused.accepted
-        and refused.reason
-        and accepted is not None
-        and accepted.accepted
-        and then
-        and 80.0 <= then[0] <= 90.0,
+        is_refused and is_accepted,
         f"To 120 % it answered {_shortly(refused)}, to 90 % {_shortly(accepted)}, and then the battery had "
         f"{then[0] if then else 'nothing'} %. What is refused has a reason, what is accepted has an effect.",
     )

@@ -46,8 +46,8 @@ def patrol() -> None:
     lap = _lap_of(driven, 1.0)
     expect(
         "with side 1.0 and speed 1.0 it drives a square of 1 m with 1 m/s",
-        _is_square(lap, 1.0) and abs(_fastest(lap) - 1.0) < 0.15,
-        f"{_described(lap)}, with up to {_fastest(lap):.1f} m/s: straight for `side` metres at `speed`, then a turn by "
+        _is_square(lap, 1.0) and abs(paths.top_speed(lap) - 1.0) < 0.15,
+        f"{_described(lap)}: straight for `side` metres at `speed`, then a turn by "
         f"90°, again and again. `plot_pose` shows the path.",
     )
     changed = [set_parameter("/patrol", name, 2.0) for name in ("side", "speed")]
@@ -55,8 +55,8 @@ def patrol() -> None:
     lap = _lap_of(driven, 2.0)
     expect(
         "side and speed can be changed while it drives",
-        all(taken for taken, _ in changed) and _is_square(lap, 2.0) and abs(_fastest(lap) - 2.0) < 0.3,
-        f"After both were set to 2.0: {_described(lap)}, with up to {_fastest(lap):.1f} m/s. Declare both with "
+        all(taken for taken, _ in changed) and _is_square(lap, 2.0) and abs(paths.top_speed(lap) - 2.0) < 0.3,
+        f"After both were set to 2.0: {_described(lap)}. Declare both with "
         f"a default that is a float, and read them where they are used, not in __init__.",
     )
     refused = [set_parameter("/patrol", "speed", value) for value in (0.0, -1.0)]
@@ -103,9 +103,8 @@ def _from_file(room: str) -> list[Any] | None:
     """Side and speed as the installed YAML file of a namespace has them, for whichever node."""
     path = share("patrol") / "config" / f"{room}.yaml"
     try:
-        nodes = yaml.safe_load(path.read_text())
-        values = [node["ros__parameters"] for node in _leaves(nodes)]
-        return [values[0]["side"], values[0]["speed"]]
+        parameters = _leaves(yaml.safe_load(path.read_text()))[0]["ros__parameters"]
+        return [parameters["side"], parameters["speed"]]
     except (OSError, yaml.YAMLError, KeyError, IndexError, TypeError):
         return None
 
@@ -161,10 +160,6 @@ def _is_square(poses: Sequence[Any], side: float) -> bool:
     return is_right and all(abs(one - side) < near for one in _extent(poses)) and 3.4 * side < way < 5.8 * side
 
 
-def _fastest(poses: Sequence[Any]) -> float:
-    return max((one.linear_velocity for one in poses), default=0.0)
-
-
 def _described(poses: Sequence[Any]) -> str:
-    wide, high = _extent(poses)
-    return f"It drove {paths.length(poses):.1f} m, over {wide:.1f} m by {high:.1f} m"
+    (wide, high), way, speed = _extent(poses), paths.length(poses), paths.top_speed(poses)
+    return f"It drove {way:.1f} m, over {wide:.1f} m by {high:.1f} m, with up to {speed:.1f} m/s"

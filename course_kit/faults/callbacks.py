@@ -18,10 +18,10 @@ FAULTS = (
             "Its timer is set to 10 Hz: `%ros2 param get /planner rate`. What keeps the timer's callback waiting?",
             "One thread serves all callbacks of a node. `%ros2 param get /planner planning_time`: for each scan.",
         ),
-        repair="%ros2 param set /planner planning_time 0.0",
+        cure="%ros2 param set /planner planning_time 0.0",
         alike=("timer", "queue", "deadlock", "duplicate"),
-        looks=("ros2 topic hz /turtle1/cmd_vel --duration 4", "ros2 param get /planner planning_time"),
-        programs={PLANNER: planner("-p", "planning_time:=1.0")},
+        commands=("ros2 topic hz /turtle1/cmd_vel --duration 4", "ros2 param get /planner planning_time"),
+        start=planner("-p", "planning_time:=1.0"),
         says="driving",
     ),
     Fault(
@@ -38,10 +38,9 @@ FAULTS = (
             "Everything in it waits. What does it do as its very first thing? It asks for the map, in a "
             "timer's callback.",
         ),
-        repair=restart(PLANNER),
         alike=("no_spin", "no_server", "clock", "slow_callback"),
-        looks=("ros2 node list", "ros2 topic hz /turtle1/cmd_vel --duration 3"),
-        programs={PLANNER: planner("-p", "synchronous:=true")},
+        commands=("ros2 node list", "ros2 topic hz /turtle1/cmd_vel --duration 3"),
+        start=planner("-p", "synchronous:=true"),
         says="found /get_map",
     ),
     Fault(
@@ -59,10 +58,9 @@ FAULTS = (
             "An answer, a message, a parameter request: each is a callback. Who calls them? `%ros2 param get "
             "/planner rate`",
         ),
-        repair=restart(PLANNER),
         alike=("deadlock", "no_server", "clock", "service_name"),
-        looks=("ros2 topic echo /turtle1/cmd_vel --once", "ros2 service info /get_map"),
-        programs={PLANNER: planner("-p", "own_loop:=true")},
+        commands=("ros2 topic echo /turtle1/cmd_vel --once", "ros2 service info /get_map"),
+        start=planner("-p", "own_loop:=true"),
         says="no map",
     ),
     Fault(
@@ -74,19 +72,17 @@ FAULTS = (
             "compare `%ros2 topic hz /scan` with what `/map_scans` counts."
         ),
         hints=(
-            "`rates('/scan', '/map_scans')` and `%ros2 topic echo /map_scans --duration 2`: 10 scans a "
-            "second are sent. "
-            "How many are counted?",
+            "`rates('/scan', '/map_scans')` and `%ros2 topic echo /map_scans --duration 2`: 10 scans a second are "
+            "sent. How many are counted?",
             "The map server works 0.4 s at a time (`%ros2 param get /map_server update_time`). Where do scans wait?",
             "`%ros2 param list /map_server`: its subscription's depth can be set when it starts. What is it?",
         ),
-        repair=restart(MAP_SERVER),
         alike=("slow_callback", "qos", "timer", "name"),
-        looks=(
+        commands=(
             "ros2 param get /map_server qos_overrides./scan.subscription.depth",
             "ros2 topic echo /map_scans --duration 2",
         ),
-        programs={MAP_SERVER: Start(MAP_SERVER, ("-p", "qos_overrides./scan.subscription.depth:=1"))},
+        start=Start(MAP_SERVER, ("-p", "qos_overrides./scan.subscription.depth:=1")),
         says="driving",
     ),
     Fault(
@@ -101,10 +97,9 @@ FAULTS = (
             "What does it do so often? `rates('/scan', '/turtle1/cmd_vel')`",
             "`%ros2 param get /planner rate`. How many commands a second does a turtle need?",
         ),
-        repair=restart(PLANNER),
         alike=("logging", "duplicate", "slow_callback", "queue"),
-        looks=("ros2 topic hz /turtle1/cmd_vel --duration 2", "ros2 topic info /turtle1/cmd_vel"),
-        programs={PLANNER: planner("-p", "rate:=400.0")},
+        commands=("ros2 topic hz /turtle1/cmd_vel --duration 2", "ros2 topic info /turtle1/cmd_vel"),
+        start=planner("-p", "rate:=400.0"),
         says="driving",
     ),
     Fault(
@@ -117,13 +112,13 @@ FAULTS = (
             "`logs(level='DEBUG', last=5)`: who writes, and on which level?",
             "A level can be changed while a node runs: `%ros2 service type /planner/set_logger_levels`",
         ),
-        repair=(
+        cure=(
             "%ros2 service call /planner/set_logger_levels rcl_interfaces/srv/SetLoggerLevels "
             '"{levels: [{name: planner, level: 20}]}"'
         ),
         alike=("timer", "duplicate", "crash", "slow_callback"),
-        looks=("ros2 topic hz /rosout --duration 2", "ros2 topic echo /rosout --once --field level"),
-        programs={PLANNER: planner("--log-level", "planner:=debug")},
+        commands=("ros2 topic hz /rosout --duration 2", "ros2 topic echo /rosout --once --field level"),
+        start=planner("--log-level", "planner:=debug"),
         says="driving",
     ),
     Fault(
@@ -139,10 +134,10 @@ FAULTS = (
             "A timer follows a clock. Which one? `%ros2 param get /planner use_sim_time`",
             "`%ros2 topic info /clock`: who publishes the time that it waits for?",
         ),
-        repair="%ros2 param set /planner use_sim_time false",
+        cure="%ros2 param set /planner use_sim_time false",
         alike=("deadlock", "no_spin", "timer", "crash"),
-        looks=("ros2 param get /planner use_sim_time", "ros2 topic info /clock"),
-        programs={PLANNER: planner("-p", "use_sim_time:=true")},
+        commands=("ros2 param get /planner use_sim_time", "ros2 topic info /clock"),
+        start=planner("-p", "use_sim_time:=true"),
     ),
     Fault(
         id="crash",
@@ -157,10 +152,10 @@ FAULTS = (
             "`min()` of nothing: it got a scan without beams. `%ros2 param get /scanner beams` was 36 once. "
             "Mend that first, then start the planner again.",
         ),
-        repair=f"%ros2 param set /scanner beams 36\n{restart(PLANNER)}",
+        cure=f"%ros2 param set /scanner beams 36\n{restart(PLANNER)}",
         alike=("dead", "conda", "no_spin", "not_sourced"),
-        looks=("ros2 node list", "ros2 param get /scanner beams"),
-        programs={SCANNER: Start(SCANNER, ("-p", "beams:=0"))},
+        commands=("ros2 node list", "ros2 param get /scanner beams"),
+        start=Start(SCANNER, ("-p", "beams:=0")),
         says="ValueError",
     ),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from course_kit.faults.fault import MAP_SERVER, PLANNER, SCANNER, Fault, Start, planner, restart
+from course_kit.faults.fault import MAP_SERVER, PLANNER, SCANNER, Fault, Start, planner
 
 STANDS = "The turtle stands still. All four programs run."
 
@@ -19,10 +19,9 @@ FAULTS = (
             "Who is at the other end? `%ros2 topic info -v /scan` names publishers and subscribers.",
             "What does the planner listen to, then? `%ros2 node info /planner`",
         ),
-        repair=restart(PLANNER),
         alike=("qos", "type", "domain", "no_spin"),
-        looks=("ros2 node info /planner", "ros2 topic info /laser"),
-        programs={PLANNER: planner("-p", "scan_topic:=laser")},
+        commands=("ros2 node info /planner", "ros2 topic info /laser"),
+        start=planner("-p", "scan_topic:=laser"),
         says="no scan",
     ),
     Fault(
@@ -38,10 +37,9 @@ FAULTS = (
             "A publisher and a subscription are there, under one name. What else must agree?",
             "Read the types: `%ros2 topic type /turtle1/cmd_vel`. Which one does a turtle take?",
         ),
-        repair=restart(PLANNER),
         alike=("remapping", "qos", "no_spin", "timer"),
-        looks=("ros2 topic type /turtle1/cmd_vel", "ros2 topic info -v /turtle1/cmd_vel"),
-        programs={PLANNER: planner("-p", "stamped_cmd_vel:=true")},
+        commands=("ros2 topic type /turtle1/cmd_vel", "ros2 topic info -v /turtle1/cmd_vel"),
+        start=planner("-p", "stamped_cmd_vel:=true"),
         says="driving",
     ),
     Fault(
@@ -54,10 +52,9 @@ FAULTS = (
             "`%ros2 topic info -v /scan` shows the QoS of each end. Compare the lines called Reliability.",
             "RELIABLE cannot be had from a publisher that offers BEST_EFFORT. `logs(level='WARN')` says so too.",
         ),
-        repair=restart(PLANNER),
         alike=("name", "type", "domain", "queue"),
-        looks=("ros2 topic info -v /scan", "ros2 param get /planner qos_overrides./scan.subscription.reliability"),
-        programs={PLANNER: planner("-p", "qos_overrides./scan.subscription.reliability:=reliable")},
+        commands=("ros2 topic info -v /scan", "ros2 param get /planner qos_overrides./scan.subscription.reliability"),
+        start=planner("-p", "qos_overrides./scan.subscription.reliability:=reliable"),
         says="no scan",
     ),
     Fault(
@@ -75,10 +72,9 @@ FAULTS = (
             "The publisher keeps its last message for latecomers that ask for it. Does the planner ask? "
             "`%ros2 topic info -v /speed_limit`: Durability.",
         ),
-        repair=restart(PLANNER),
         alike=("qos", "name", "type", "no_spin"),
-        looks=("ros2 topic info -v /speed_limit",),
-        programs={PLANNER: planner("-p", "qos_overrides./speed_limit.subscription.durability:=volatile")},
+        commands=("ros2 topic info -v /speed_limit",),
+        start=planner("-p", "qos_overrides./speed_limit.subscription.durability:=volatile"),
         says="no speed limit",
     ),
     Fault(
@@ -94,10 +90,9 @@ FAULTS = (
             "The program is fine, and no one hears it. What separates programs on one machine from each other?",
             "Compare `faults.terminal('scanner', 'printenv ROS_DOMAIN_ID')` with `%env ROS_DOMAIN_ID`.",
         ),
-        repair=restart(SCANNER),
         alike=("discovery", "dead", "not_sourced", "namespace"),
-        looks=("ros2 node list", "ros2 topic info /scan"),
-        programs={SCANNER: Start(SCANNER, terminal="other domain")},
+        commands=("ros2 node list", "ros2 topic info /scan"),
+        start=Start(SCANNER, terminal="other domain"),
         says="no scan",
     ),
     Fault(
@@ -113,10 +108,9 @@ FAULTS = (
             "Its domain is right: `faults.terminal('map_server', 'printenv ROS_DOMAIN_ID')`. What else hides a node?",
             "`faults.terminal('map_server', 'printenv ROS_AUTOMATIC_DISCOVERY_RANGE')`, and compare it with yours.",
         ),
-        repair=restart(MAP_SERVER),
         alike=("domain", "no_server", "conda", "service_name"),
-        looks=("ros2 node list", "ros2 service type /get_map"),
-        programs={MAP_SERVER: Start(MAP_SERVER, terminal="no discovery")},
+        commands=("ros2 node list", "ros2 service type /get_map"),
+        start=Start(MAP_SERVER, terminal="no discovery"),
         says="no map",
     ),
     Fault(
@@ -129,10 +123,9 @@ FAULTS = (
             "Read `%ros2 node list` letter by letter.",
             "The map server is `/robot1/map_server`: its service, and the scan it listens to, begin with /robot1 too.",
         ),
-        repair=restart(MAP_SERVER),
         alike=("service_name", "no_server", "remapping", "domain"),
-        looks=("ros2 node list", "ros2 service list"),
-        programs={MAP_SERVER: Start(MAP_SERVER, ("-r", "__ns:=/robot1"))},
+        commands=("ros2 node list", "ros2 service list"),
+        start=Start(MAP_SERVER, ("-r", "__ns:=/robot1")),
         says="no map",
     ),
     Fault(
@@ -150,10 +143,9 @@ FAULTS = (
             "The rule should turn `cmd_vel` into `turtle1/cmd_vel`. How was it written? "
             "`faults.process('planner').command`",
         ),
-        repair=restart(PLANNER),
         alike=("type", "namespace", "qos", "duplicate"),
-        looks=("ros2 topic info /turtle1/cmd_vel", "ros2 node info /planner"),
-        programs={PLANNER: Start(PLANNER, ("-r", "cmd_vl:=turtle1/cmd_vel"))},
+        commands=("ros2 topic info /turtle1/cmd_vel", "ros2 node info /planner"),
+        start=Start(PLANNER, ("-r", "cmd_vl:=turtle1/cmd_vel")),
         says="driving",
     ),
     Fault(
@@ -166,10 +158,9 @@ FAULTS = (
             "The map server runs. What does it serve? `%ros2 node info /map_server`",
             "Look for the type: `%ros2 service find nav_msgs/srv/GetMap`",
         ),
-        repair=restart(MAP_SERVER),
         alike=("no_server", "namespace", "deadlock", "type"),
-        looks=("ros2 service info /get_map", "ros2 service find nav_msgs/srv/GetMap"),
-        programs={MAP_SERVER: Start(MAP_SERVER, ("-r", "get_map:=static_map"))},
+        commands=("ros2 service info /get_map", "ros2 service find nav_msgs/srv/GetMap"),
+        start=Start(MAP_SERVER, ("-r", "get_map:=static_map")),
         says="no map",
     ),
 )

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 SIMULATOR, SCANNER, MAP_SERVER, PLANNER = PROGRAMS = ("simulator", "scanner", "map_server", "planner")
 REMAPPING = "cmd_vel:=turtle1/cmd_vel"
@@ -51,10 +50,21 @@ class Fault:
     symptom: str  # what the student is told
     evidence: str  # what one would see if it were this: the hint for whoever states it wrongly
     hints: tuple[str, ...]  # from a gentle one to one that nearly says it
-    repair: str  # a cell that repairs it
     alike: tuple[str, ...]  # other causes that are offered with it
-    looks: tuple[str, ...]  # command lines that show it
-    programs: Mapping[str, Start | None] = field(default_factory=dict)  # those started otherwise; None: not at all
+    commands: tuple[str, ...]  # command lines that show it
+    start: Start | None = None  # the program that is started otherwise, and how
+    missing: str = ""  # the program that is not started
     extra: tuple[Start, ...] = ()  # started too, before the others, without a console
+    cure: str = ""  # a cell that repairs it; unless given, it is enough to start the program as it should be
     says: str = ""  # what the planner prints once the fault has shown itself
     killed: str = ""  # the program that is killed once it has run
+
+    @property
+    def programs(self) -> dict[str, Start | None]:
+        """The programs that are started otherwise; None: not at all."""
+        return {self.start.program: self.start} if self.start else {self.missing: None} if self.missing else {}
+
+    @property
+    def repair(self) -> str:
+        """A cell that repairs it."""
+        return self.cure or "\n".join(map(restart, self.programs))

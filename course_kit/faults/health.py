@@ -1,21 +1,21 @@
 """Whether the robot is well, seen from outside: what its topics carry over two seconds, and how often.
 
-A Watch looks, through a Station of the checker's; findings() judges, and is pure. look() does both until all is well:
-for the lab in the notebook's process, and for expect_well() (vocabulary.py) in the checker's.
+A Watch listens, through a Station of the checker's; findings() judges, and is pure. examine() does both until all is
+well: for the lab in the notebook's process, and for expect_well() (vocabulary.py) in the checker's.
 """
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
+
+from course_kit.examining.paths import length
+from course_kit.examining.verdict import Finding
 
 if TYPE_CHECKING:
     from course_kit.examining.station import Heard, Station
-    from course_kit.examining.verdict import Finding
 
 Wait = Callable[[Callable[[], bool], float], object]  # wait(condition, timeout): until it holds or the time is over
 
@@ -42,42 +42,36 @@ class Observation:
 
 def findings(seen: Observation) -> list[Finding]:
     """What is well and what is not, in the order of the data's way through the robot."""
-    from course_kit.examining.verdict import Finding
 
-    in_map = 1 - WITHIN
-    looked_at = (
-        (
-            f"`/scan` has {RATE:g} scans a second",
-            abs(seen.scans - RATE) <= WITHIN * RATE,
-            f"There were {seen.scans:.1f} a second.",
-        ),
-        (
+    def has_rate(measured: float) -> bool:
+        return abs(measured - RATE) <= WITHIN * RATE
+
+    return [
+        Finding(f"`/scan` has {RATE:g} scans a second", has_rate(seen.scans), f"There were {seen.scans:.1f} a second."),
+        Finding(
             "nearly every scan gets into the map",
-            seen.scans_in_map >= in_map * RATE,
+            seen.scans_in_map >= (1 - WITHIN) * RATE,
             f"`/map_scans` grew by {seen.scans_in_map:.1f} a second.",
         ),
-        (
+        Finding(
             f"`/turtle1/cmd_vel` has {RATE:g} commands a second",
-            abs(seen.commands - RATE) <= WITHIN * RATE,
+            has_rate(seen.commands),
             f"There were {seen.commands:.1f} a second.",
         ),
-        (
-            "the turtle drives",
-            seen.distance >= DISTANCE,
-            f"It went {seen.distance:.2f} m in {seen.seconds:g} s.",
+        Finding(
+            "the turtle drives", seen.distance >= DISTANCE, f"It went {seen.distance:.2f} m in {seen.seconds:g} s."
         ),
-        (
+        Finding(
             "the nodes log little",
             seen.log_lines <= LOG_LINES,
             f"`/rosout` had {seen.log_lines / seen.seconds:.0f} lines a second.",
         ),
-        (
+        Finding(
             "no two nodes have the same name",
             not seen.twice,
             f"More than one is called {', '.join(seen.twice)}: one of them was left running.",
         ),
-    )
-    return [Finding(text, ok, "" if ok else hint) for text, ok, hint in looked_at]
+    ]
 
 
 class Watch:
@@ -112,27 +106,25 @@ class Watch:
             seconds=seconds,
             scans=_count(self._scans, since) / seconds,
             commands=_count(self._commands, since) / seconds,
-            distance=_distance(_newest(self._poses, since)),
+            distance=length(_newest(self._poses, since)),
             scans_in_map=_growth([message.data for message in _newest(self._in_map, since)], seconds),
             log_lines=_count(self._logs, since),
             twice=tuple(graph.duplicates(graph.nodes(self._station.node))),
         )
 
 
-def look(station: Station, timeout: float, wait: Wait) -> list[Finding]:
+def examine(station: Station, timeout: float, wait: Wait) -> list[Finding]:
     """What is found in the robot, once all is well or the time is over; of the last WINDOW seconds, never of less."""
     watch = Watch(station)
-    found: list[Finding] = []
+    seen: list[Finding] = []
 
     def is_well() -> bool:
-        if watch.seconds < WINDOW:
-            return False
-        found[:] = findings(watch.observe(WINDOW))
-        return all(one.ok for one in found)
+        seen[:] = findings(watch.observe(WINDOW))
+        return all(finding.ok for finding in seen)
 
     wait(lambda: watch.seconds >= WINDOW, WINDOW + 1.0)
     wait(is_well, max(0.0, timeout - watch.seconds))
-    return found
+    return seen
 
 
 def _count(heard: Heard, since: int) -> int:
@@ -140,12 +132,7 @@ def _count(heard: Heard, since: int) -> int:
 
 
 def _newest(heard: Heard, since: int) -> list[Any]:
-    count = _count(heard, since)
-    return heard.messages[-count:] if count else []
-
-
-def _distance(poses: Sequence[Any]) -> float:
-    return sum(math.hypot(b.x - a.x, b.y - a.y) for a, b in pairwise(poses))
+    return [message for when, message in heard.arrivals if when >= since]
 
 
 def _growth(counts: Sequence[int], seconds: float) -> float:

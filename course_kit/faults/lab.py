@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import subprocess
+import textwrap
 import threading
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -28,14 +30,14 @@ NO_FAULT = "No fault is in the robot. Write: faults.start('qos'), or faults.star
 WELL = "The robot runs and nothing is wrong with it. `faults.manual()` says what belongs where."
 
 
+@dataclass
 class _Lab:
     """What goes on in this notebook."""
 
-    def __init__(self) -> None:
-        self.system = System()
-        self.fault: Fault | None = None
-        self.hints_given = 0
-        self.cause_found = False
+    system: System = field(default_factory=System)
+    fault: Fault | None = None
+    hints_given: int = 0
+    cause_found: bool = False
 
 
 _lab = _Lab()
@@ -73,16 +75,8 @@ def symptom() -> Told:
     if _lab.fault is None:
         return Told(WELL)
     options = [(one.id, one.cause) for one in all_faults.options(_lab.fault)]
-    return Told(
-        "\n".join(
-            [
-                _lab.fault.symptom,
-                "",
-                "One of these is the cause. Which? faults.answer('…')",
-                *("  " + line for line in table(options, left=2).splitlines()),
-            ]
-        )
-    )
+    causes = textwrap.indent(table(options, left=2), "  ")
+    return Told(f"{_lab.fault.symptom}\n\nOne of these is the cause. Which? faults.answer('…')\n{causes}")
 
 
 def hint() -> Told:
@@ -114,15 +108,10 @@ def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
     if not _lab.system.is_running:
         return Told(NO_FAULT, False)
     with _station() as station:
-        found = health.look(station, timeout, partial(wait_until, poll=POLL))
-    is_well = all(one.ok for one in found)
-    if not is_well:
-        head = "Not yet: the robot is not well."
-    elif _lab.fault is None:
-        head = "The robot is well."
-    else:
-        head = "Repaired."
-    lines = [head, *map(str, found)]
+        findings = health.examine(station, timeout, partial(wait_until, poll=POLL))
+    is_well = all(finding.ok for finding in findings)
+    heading = "Repaired." if _lab.fault is not None else "The robot is well."
+    lines = [heading if is_well else "Not yet: the robot is not well.", *map(str, findings)]
     if is_well and _lab.fault is not None and not _lab.cause_found:
         lines.append("What was the cause? faults.answer('…')")
     return Told("\n".join(lines), is_well)
@@ -147,9 +136,9 @@ def solution() -> Told:
     """The cause, and a cell that repairs it."""
     if _lab.fault is None:
         return Told(NO_FAULT, False)
-    cell = "\n".join(f"    {line}" for line in _lab.fault.repair.splitlines())
-    looks = "\n".join(f"    %{line}" for line in _lab.fault.looks)
-    return Told(f"{_lab.fault.id}: {_lab.fault.cause}\n\nSeen with\n\n{looks}\n\nRepaired by\n\n{cell}")
+    cell = textwrap.indent(_lab.fault.repair, "    ")
+    commands = "\n".join(f"    %{command}" for command in _lab.fault.commands)
+    return Told(f"{_lab.fault.id}: {_lab.fault.cause}\n\nSeen with\n\n{commands}\n\nRepaired by\n\n{cell}")
 
 
 def stop() -> None:
@@ -175,12 +164,11 @@ def process(program: str) -> Process:
 
     Raises ValueError for a program that the robot does not have, or that was not started.
     """
-    found = _lab.system.process(program)
-    if found is None:
-        known = program in PROGRAMS
-        why = "was not started" if known else f"is none of the robot's programs: {', '.join(PROGRAMS)}"
-        raise ValueError(f"{program!r} {why}")
-    return found
+    if program not in PROGRAMS:
+        raise ValueError(f"{program!r} is none of the robot's programs: {', '.join(PROGRAMS)}")
+    if (process := _lab.system.process(program)) is None:
+        raise ValueError(f"{program!r} was not started")
+    return process
 
 
 def terminal(program: str, command: str) -> Told:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from course_kit.faults.fault import MAP_SERVER, PLANNER, SCANNER, Fault, Start, planner, restart
+from course_kit.faults.fault import MAP_SERVER, SCANNER, Fault, Start, planner
 
 FAULTS = (
     Fault(
@@ -18,10 +18,9 @@ FAULTS = (
             "Who should serve it? Compare `%ros2 node list` with `faults.manual()`.",
             "The node is not there: does its program run? `faults.process('map_server')`",
         ),
-        repair=restart(MAP_SERVER),
         alike=("service_name", "namespace", "dead", "deadlock"),
-        looks=("ros2 service info /get_map", "ros2 node list"),
-        programs={MAP_SERVER: None},
+        commands=("ros2 service info /get_map", "ros2 node list"),
+        missing=MAP_SERVER,
         says="no map",
     ),
     Fault(
@@ -35,18 +34,17 @@ FAULTS = (
         hints=(
             "How many commands come a second? `%ros2 topic hz /turtle1/cmd_vel --duration 3`",
             "Who sends them? `%ros2 topic info -v /turtle1/cmd_vel`, and read what `%ros2 node list` warns of.",
-            "One of them has been forgotten in some terminal. Find its process: `!ps -eo pid,lstart,args | "
-            "grep patrol/planner`, "
-            "or psutil, and end the older one.",
+            "One of them has been forgotten in some terminal. Find its process: `!ps -eo pid,lstart,args | grep "
+            "patrol/planner`, or psutil, and end the older one.",
         ),
-        repair=(
+        cure=(
             "import psutil\n"
             "children = psutil.Process().children(recursive=True)\n"
             'planners = [one for one in children if "patrol/planner" in " ".join(one.cmdline())]\n'
             "min(planners, key=psutil.Process.create_time).terminate()"
         ),
         alike=("timer", "slow_callback", "remapping", "logging"),
-        looks=("ros2 node list", "ros2 topic info /turtle1/cmd_vel"),
+        commands=("ros2 node list", "ros2 topic info /turtle1/cmd_vel"),
         extra=(planner("-p", "speed:=-0.5"),),
         says="driving",
     ),
@@ -60,10 +58,9 @@ FAULTS = (
             "Where does ros2 look for packages? `faults.terminal('planner', 'printenv AMENT_PREFIX_PATH')`",
             "Compare with a good terminal: `%ros2 pkg prefix patrol`, and `%env AMENT_PREFIX_PATH`.",
         ),
-        repair=restart(PLANNER),
         alike=("conda", "domain", "crash", "discovery"),
-        looks=("ros2 node list", "ros2 topic info /turtle1/cmd_vel"),
-        programs={PLANNER: planner(terminal="not sourced")},
+        commands=("ros2 node list", "ros2 topic info /turtle1/cmd_vel"),
+        start=planner(terminal="not sourced"),
     ),
     Fault(
         id="conda",
@@ -78,10 +75,9 @@ FAULTS = (
             "`faults.terminal('scanner', 'which python3')`",
             "Who put that Python first? `faults.terminal('scanner', 'printenv PATH')`. `conda deactivate` is the cure.",
         ),
-        repair=restart(SCANNER),
         alike=("not_sourced", "domain", "dead", "crash"),
-        looks=("ros2 node list", "ros2 topic info /scan"),
-        programs={SCANNER: Start(SCANNER, terminal="conda")},
+        commands=("ros2 node list", "ros2 topic info /scan"),
+        start=Start(SCANNER, terminal="conda"),
         says="no scan",
     ),
     Fault(
@@ -98,10 +94,9 @@ FAULTS = (
             "The list of nodes is what this notebook remembers. A newcomer knows another one: `!ros2 node list`. Why?",
             "Ask the system about the program: `faults.process('scanner').state`. Whoever is killed says no goodbye.",
         ),
-        repair=restart(SCANNER),
         alike=("deadlock", "qos", "domain", "crash"),
-        looks=("ros2 node list", "ros2 topic info /scan"),
-        programs={SCANNER: Start(SCANNER, terminal="long lease")},
+        commands=("ros2 node list", "ros2 topic info /scan"),
+        start=Start(SCANNER, terminal="long lease"),
         killed=SCANNER,
     ),
 )

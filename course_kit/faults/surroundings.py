@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import functools
 import os
 import sys
 import tempfile
@@ -20,13 +21,6 @@ STOCK_LEASE = 20  # seconds that DDS keeps a participant which says nothing any 
 Environment = dict[str, str]
 
 
-class _Kept:
-    """What is made once for this process: another domain, a folder."""
-
-    domain: int | None = None
-    folder: tempfile.TemporaryDirectory[str] | None = None
-
-
 def source_robot() -> None:
     """Have this process and its children find the package `patrol`, as sourcing its workspace would."""
     others = [entry for entry in split_paths(os.environ.get("AMENT_PREFIX_PATH", "")) if entry != str(ROBOT)]
@@ -41,18 +35,18 @@ def executable(program: str) -> Path:
     return path
 
 
-def _good(environ: Mapping[str, str]) -> Environment:
-    return dict(environ)
-
-
 def _not_sourced(environ: Mapping[str, str]) -> Environment:
     return sourcing.without(environ, ROBOT)
 
 
 def _other_domain(environ: Mapping[str, str]) -> Environment:
-    if _Kept.domain is None:
-        _Kept.domain = reserve_stage()
-    return {**environ, "ROS_DOMAIN_ID": str(_Kept.domain)}
+    return {**environ, "ROS_DOMAIN_ID": str(_domain())}
+
+
+@functools.cache
+def _domain() -> int:
+    """Another domain, the same for this process."""
+    return reserve_stage()
 
 
 def _no_discovery(environ: Mapping[str, str]) -> Environment:
@@ -89,7 +83,7 @@ def _long_lease(environ: Mapping[str, str]) -> Environment:
 
 
 TERMINALS: dict[str, Callable[[Mapping[str, str]], Environment]] = {
-    "good": _good,
+    "good": dict,
     "not sourced": _not_sourced,
     "other domain": _other_domain,
     "no discovery": _no_discovery,
@@ -98,8 +92,9 @@ TERMINALS: dict[str, Callable[[Mapping[str, str]], Environment]] = {
 }
 
 
+@functools.cache
 def _folder() -> Path:
-    if _Kept.folder is None:
-        _Kept.folder = tempfile.TemporaryDirectory(prefix="course-kit-faults-")
-        atexit.register(_Kept.folder.cleanup)
-    return Path(_Kept.folder.name)
+    """A folder of this process, which goes with it."""
+    folder = tempfile.TemporaryDirectory(prefix="course-kit-faults-")
+    atexit.register(folder.cleanup)
+    return Path(folder.name)

@@ -13,7 +13,7 @@ POLL = 0.1
 
 def expect_well(points: int, timeout: float = 12.0) -> bool:
     """The robot of the student's domain is well for two seconds; each thing that is not is a finding of its own."""
-    found = health.look(current().student, timeout, partial(wait, what="the robot to be well", poll=POLL))
-    wrong = [one for one in found if not one.ok]
-    hint = " ".join(f"Not so: {one.text}. {one.hint}" for one in wrong)
+    findings = health.examine(current().student, timeout, partial(wait, what="the robot to be well", poll=POLL))
+    wrong = [finding for finding in findings if not finding.ok]
+    hint = " ".join(f"Not so: {finding.text}. {finding.hint}" for finding in wrong)
     return expect("the robot is well, seen from outside", not wrong, hint, points, needed=True)

@@ -116,17 +116,17 @@ class SpinThread:
         if self._thread is not threading.current_thread() and self._thread.is_alive():
             self._thread.join(timeout)
             if self._thread.is_alive():
-                self._interrupt()
+                interrupt(self._thread)
                 self._thread.join(0.5)
         if not self._thread.is_alive():
             _threads.pop(self._thread, None)
         return not self._thread.is_alive()
 
-    def _interrupt(self) -> None:
-        """Raise NodeStopped in the thread: ends Python loops at once and a sleep when it is over."""
-        if self._thread.ident is not None:
-            ident = ctypes.c_ulong(self._thread.ident)
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(ident, ctypes.py_object(NodeStopped))
+
+def interrupt(thread: threading.Thread) -> None:
+    """Raise NodeStopped in a thread that runs: ends Python loops at once and a sleep when it is over."""
+    if thread.is_alive() and thread.ident is not None:
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident), ctypes.py_object(NodeStopped))
 
 
 _threads: dict[threading.Thread, SpinThread] = {}
