@@ -5,7 +5,6 @@ It lies where programs keep their state: $XDG_STATE_HOME, or ~/.local/state.
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import html
 import itertools
@@ -57,7 +56,8 @@ def record(verdict: Verdict) -> str:
     except RuntimeError as error:  # there is no home
         raise OSError(str(error)) from None
     file.parent.mkdir(parents=True, exist_ok=True)
-    with _alone(file.parent):
+    with open(file.parent / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # two notebooks may record at the same time
         points, notice = {}, ""
         try:
             points = load()
@@ -65,7 +65,10 @@ def record(verdict: Verdict) -> str:
             notice = f"{damaged}. It is now {_set_aside(file)}, and points are counted anew."
         if points.get(verdict.exercise, -1) < verdict.points:
             points[verdict.exercise] = verdict.points
-            _write(file, json.dumps({"points": dict(sorted(points.items()))}, indent=1) + "\n")
+            # All of it or nothing: whoever reads meanwhile finds the old file.
+            with tempfile.NamedTemporaryFile("w", dir=file.parent, delete=False) as new:
+                new.write(json.dumps({"points": dict(sorted(points.items()))}, indent=1) + "\n")
+            os.replace(new.name, file)
         return notice
 
 
@@ -74,21 +77,6 @@ def _set_aside(file: Path) -> str:
     names = (file.with_name(f"{file.stem}.damaged-{number}{file.suffix}") for number in itertools.count(1))
     aside = next(name for name in names if not name.exists())
     return file.rename(aside).name
-
-
-@contextlib.contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    """Two notebooks may record at the same time."""
-    with open(folder / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
-
-
-def _write(file: Path, text: str) -> None:
-    """All of it or nothing: whoever reads meanwhile finds the old file."""
-    with tempfile.NamedTemporaryFile("w", dir=file.parent, delete=False) as new:
-        new.write(text)
-    os.replace(new.name, file)
 
 
 WIDTH = 20
