@@ -51,16 +51,9 @@ def run_in_terminal(cmd: Sequence[str]) -> int:
 
 def _is_in_foreground() -> bool:
     """Whether this process belongs to those that Ctrl-C in a terminal goes to."""
-    try:
-        terminal = os.open("/dev/tty", os.O_RDONLY | os.O_NOCTTY)
-    except OSError:
-        return False
-    try:
-        return os.tcgetpgrp(terminal) == os.getpgrp()
-    except OSError:
-        return False
-    finally:
-        os.close(terminal)
+    with contextlib.suppress(OSError), open("/dev/tty", "rb", buffering=0) as terminal:
+        return os.tcgetpgrp(terminal.fileno()) == os.getpgrp()
+    return False
 
 
 def run_in_notebook(cmd: Sequence[str], session: Session) -> int:

@@ -118,7 +118,8 @@ def main() -> NoReturn:
     try:
         status = run(words)
     except BrokenPipeError:  # as in `ros2 topic echo ... | head`
-        status = _quiet_stdout()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        status = 1
     except SystemExit as ending:  # the usage was printed, or SIGTERM came
         status = int(ending.code or 0)
     _end(status)
@@ -126,11 +127,6 @@ def main() -> NoReturn:
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
     raise SystemExit(128 + number)
-
-
-def _quiet_stdout() -> int:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    return 1
 
 
 def _end(status: int) -> NoReturn:

@@ -51,13 +51,17 @@ def installed_types(noun: str) -> list[str]:
     return types([KINDS[noun]])
 
 
-def _node_names(args: Namespace) -> list[str]:
+@offering
+def node_names(args: Namespace) -> list[str]:
+    """Offers the nodes of the graph."""
     from course_kit.ros_graph import graph
 
     return [name.full_name for name in graph.nodes(Session(args).graph())]
 
 
-def _parameter_names(args: Namespace) -> list[str]:
+@offering
+def parameter_names(args: Namespace) -> list[str]:
+    """Offers the parameters of the node that was named before."""
     from course_kit.ros2.param.services import list_parameters
 
     session = Session(args)
@@ -66,5 +70,3 @@ def _parameter_names(args: Namespace) -> list[str]:
 
 
 package_names = offering(lambda args: packages.package_names())
-node_names = offering(_node_names)
-parameter_names = offering(_parameter_names)  # of the node that was named before

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from argparse import Namespace
@@ -39,7 +40,7 @@ class Session:
         self.in_notebook = in_kernel()
         self._args = args
         duration: float | None = getattr(args, "duration", None)
-        self._deadline = None if duration is None else time.monotonic() + duration
+        self._deadline = math.inf if duration is None else time.monotonic() + duration
 
     def print(self, text: str = "", end: str = "\n") -> None:
         """Write to stdout, at once and as one piece: an interrupt falls between lines."""
@@ -89,7 +90,7 @@ class Session:
 
     def check_time(self) -> None:
         """Raise DurationOver if --duration has passed."""
-        if self._deadline is not None and time.monotonic() >= self._deadline:
+        if time.monotonic() >= self._deadline:
             raise DurationOver
 
     def until(self, condition: Callable[[], Any], timeout: float | None = None, poll: float = POLL) -> bool:

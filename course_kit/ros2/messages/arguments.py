@@ -8,7 +8,7 @@ from argparse import Namespace
 from typing import Any
 
 from course_kit.ros2.messages.values import NotYaml, parse, populate
-from course_kit.ros2.verbs import CommandError, did_you_mean
+from course_kit.ros2.verbs import CommandError, did_you_mean, failing
 
 _PARTS = {"msg": (), "srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
 _NOUNS = {"msg": "message", "srv": "service", "action": "action"}
@@ -26,19 +26,14 @@ def interface_class(name: str, kind: str) -> Any:
         found = getattr(importlib.import_module(".".join(parts[:-1])), parts[-1])
     except (AttributeError, ImportError, TypeError, ValueError):
         found = None
-    if found is None and parts[1:2] == [kind]:
-        raise CommandError(f"The passed {_NOUNS[kind]} type is invalid", _suggestion("/".join(parts), kind))
-    if len(parts) != 3 or parts[1] != kind or not all(hasattr(found, part) for part in _PARTS[kind]):
-        if kind == "srv" and found is not None:
-            raise CommandError("The passed type is not a service")
-        raise CommandError(f"The passed {_NOUNS[kind]} type is invalid", _suggestion("/".join(parts), kind))
-    return found
+    if found is not None and len(parts) == 3 and parts[1] == kind and all(hasattr(found, p) for p in _PARTS[kind]):
+        return found
+    if found is not None and kind == "srv":
+        raise CommandError("The passed type is not a service")
 
-
-def _suggestion(name: str, kind: str) -> str | None:
     from course_kit.ros2.interface.interface import types
 
-    return did_you_mean(name, types([kind]))
+    raise CommandError(f"The passed {_NOUNS[kind]} type is invalid", did_you_mean("/".join(parts), types([kind])))
 
 
 def checked_name(name: str, noun: str) -> str:
@@ -46,25 +41,22 @@ def checked_name(name: str, noun: str) -> str:
     from rclpy.exceptions import InvalidTopicNameException
     from rclpy.validate_topic_name import validate_topic_name
 
-    try:
-        validate_topic_name(name)
-    except InvalidTopicNameException as error:
+    def say(error: Exception) -> str:
         reason = str(error).split("\n")[0].rstrip(":").partition(": topic name ")[2]
-        raise CommandError(f"Invalid {noun} name '{name}': it {reason}") from None
+        return f"Invalid {noun} name '{name}': it {reason}"
+
+    with failing(InvalidTopicNameException, say=say):
+        validate_topic_name(name)
     return name
 
 
 def parsed(args: Namespace, text: str, refusal: str = "The passed value is not valid YAML: {}") -> Any:
     """What a YAML text stands for: `text`, or standard input if --stdin is given. CommandError if it is none."""
-    try:
+    with failing(NotYaml, say=refusal.format):
         return parse(sys.stdin.buffer.read() if args.stdin else text)
-    except NotYaml as error:
-        raise CommandError(refusal.format(error)) from None
 
 
 def filled(message: Any, values: Any, refusal: str = "Failed to populate field: {}") -> list[Any]:
     """Set a message's fields as populate() does and return its times. CommandError for values that do not fit."""
-    try:
+    with failing(AttributeError, TypeError, ValueError, OverflowError, AssertionError, say=refusal.format):
         return populate(message, values)
-    except (AttributeError, TypeError, ValueError, OverflowError, AssertionError) as error:
-        raise CommandError(refusal.format(error)) from None

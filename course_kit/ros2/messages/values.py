@@ -15,6 +15,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
 )
 
 from course_kit.ros2.messages.yaml_text import fields
+from course_kit.ros2.verbs import one_line
 
 HEADER = ("std_msgs", "msg", "Header")
 TIME = ("builtin_interfaces", "msg", "Time")
@@ -32,16 +33,11 @@ def parse(text: str | bytes) -> Any:
     try:
         return yaml.safe_load(text)
     except yaml.MarkedYAMLError as error:
-        problem = " ".join(filter(None, (error.context, error.problem)))
         mark = error.problem_mark or error.context_mark
-        where = f" (line {mark.line + 1}, column {mark.column + 1})" if mark else ""
-        raise NotYaml(_one_line(problem) + where) from None
+        where = f"(line {mark.line + 1}, column {mark.column + 1})" if mark else ""
+        raise NotYaml(" ".join(f"{error.context or ''} {error.problem or ''} {where}".split())) from None
     except (yaml.YAMLError, ValueError, TypeError, OverflowError, RecursionError) as error:
-        raise NotYaml(_one_line(str(error))) from None
-
-
-def _one_line(text: str) -> str:
-    return " ".join(text.split())
+        raise NotYaml(one_line(error)) from None
 
 
 def populate(message: Any, values: Any) -> list[Any]:

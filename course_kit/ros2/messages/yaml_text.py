@@ -16,12 +16,10 @@ from typing import Any
 
 import yaml
 from rosidl_parser.definition import (  # type: ignore[import-untyped]
-    AbstractString,
+    AbstractGenericString,
     AbstractWString,
     Array,
-    BasicType,
     BoundedSequence,
-    NamedType,
     NamespacedType,
 )
 
@@ -90,9 +88,8 @@ def _is_sequence(value: Any) -> bool:
 
 def _elements(value: Any, shown: Shown) -> tuple[Any, bool]:
     """The elements that are shown, and whether there are more."""
-    is_cut = shown.truncate_length is not None and len(value) > shown.truncate_length
-    kept = value[: shown.truncate_length] if is_cut else value
-    return (kept.tolist() if hasattr(kept, "tolist") else kept), is_cut
+    kept = value[: shown.truncate_length]
+    return (kept.tolist() if hasattr(kept, "tolist") else kept), len(kept) < len(value)
 
 
 def _characters(value: str | bytes, shown: Shown) -> str:
@@ -100,9 +97,8 @@ def _characters(value: str | bytes, shown: Shown) -> str:
         value = value.decode("latin-1")
     elif shown.no_str:
         return f"<string length: <{len(value)}>>"
-    if shown.truncate_length is not None and len(value) > shown.truncate_length:
-        return value[: shown.truncate_length] + MORE
-    return value
+    kept = value[: shown.truncate_length]
+    return kept + MORE if len(kept) < len(value) else value
 
 
 def abbreviation(slot: Any, length: int) -> str:
@@ -115,15 +111,11 @@ def abbreviation(slot: Any, length: int) -> str:
 
 
 def _type_name(slot: Any) -> str:
-    if isinstance(slot, BasicType):
-        return str(slot.typename)
-    if isinstance(slot, AbstractString):
-        return "string"
-    if isinstance(slot, AbstractWString):
-        return "wstring"
     if isinstance(slot, NamespacedType):
         return "/".join(slot.namespaced_name())
-    return str(slot.name) if isinstance(slot, NamedType) else "unknown"
+    if isinstance(slot, AbstractGenericString):
+        return "wstring" if isinstance(slot, AbstractWString) else "string"
+    return str(slot.typename)
 
 
 # Block style -----------------------------------------------------------------------------------------------------
@@ -241,9 +233,9 @@ def _joined(values: Iterable[str]) -> str:
 
 
 def _csv_value(value: Any, slot: Any, shown: Shown) -> str:
-    limit = shown.truncate_length
     if isinstance(value, bytes):
-        return str(value[:limit] + MORE.encode() if limit is not None and len(value) > limit else value)
+        kept = value[: shown.truncate_length]
+        return str(kept + MORE.encode() if len(kept) < len(value) else value)
     if isinstance(value, str):
         return _characters(value, shown)
     if isinstance(value, (bool, int, float)) or getattr(value, "shape", None) == ():  # numpy's numbers
@@ -252,5 +244,5 @@ def _csv_value(value: Any, slot: Any, shown: Shown) -> str:
         return to_csv(value, shown)
     if shown.no_arr and slot is not None:
         return abbreviation(slot, len(value))
-    shown_values = [_csv_value(element, None, shown) for element in value[:limit]]
-    return _joined([*shown_values, MORE] if len(value) > len(shown_values) else shown_values)
+    values = [_csv_value(element, None, shown) for element in value[: shown.truncate_length]]
+    return _joined([*values, MORE] if len(values) < len(value) else values)

@@ -7,7 +7,7 @@ from typing import Any
 
 from course_kit.interface_types import steps
 from course_kit.ros2.messages.yaml_text import Shown, to_csv, to_yaml
-from course_kit.ros2.verbs import CommandError
+from course_kit.ros2.verbs import CommandError, failing, one_line
 
 
 def selector(path: str | None) -> Callable[[Any], Any]:
@@ -17,16 +17,15 @@ def selector(path: str | None) -> Callable[[Any], Any]:
     names = [name for name in path.split(".") if name]
     if not names:
         raise CommandError(f"Invalid field value '{path}'")
-    chosen: list[str | int] = []
-    for step in steps(".".join(names)):
-        chosen += [step.name, *step.indexes]
+    field = ".".join(names)
+    chosen: list[Any] = [part for step in steps(field) for part in (step.name, *step.indexes)]
 
     def select(message: Any) -> Any:
-        for step in chosen:
-            try:
-                message = message[step] if isinstance(step, int) else getattr(message, step)
-            except (AttributeError, IndexError, TypeError, KeyError) as error:
-                raise CommandError(f"Invalid field '{'.'.join(names)}': {error}") from None
+        with failing(
+            AttributeError, IndexError, TypeError, KeyError, say=lambda error: f"Invalid field '{field}': {error}"
+        ):
+            for part in chosen:
+                message = message[part] if isinstance(part, int) else getattr(message, part)
         return message
 
     return select
@@ -34,18 +33,16 @@ def selector(path: str | None) -> Callable[[Any], Any]:
 
 def expression(text: str) -> Callable[[Any], Any]:
     """The filter that a Python expression of `m` stands for. Its errors: CommandError."""
-    try:
+
+    def say(error: Exception) -> str:
+        return f"Invalid filter expression '{text}': {getattr(error, 'msg', None) or one_line(error)}"
+
+    with failing(SyntaxError, ValueError, say=say):
         code = compile(text, "<filter>", "eval")
-    except (SyntaxError, ValueError) as error:
-        reason = error.msg if isinstance(error, SyntaxError) else error
-        raise CommandError(f"Invalid filter expression '{text}': {reason}") from None
 
     def matches(message: Any) -> Any:
-        try:
+        with failing(Exception, say=say):  # whatever the user's expression does
             return eval(code, {"m": message})
-        except Exception as error:  # whatever the user's expression does
-            reason = " ".join(str(error).split()) or type(error).__name__
-            raise CommandError(f"Invalid filter expression '{text}': {reason}") from None
 
     return matches
 
