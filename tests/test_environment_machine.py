@@ -32,9 +32,8 @@ def test_wsl_2_passes_and_wsl_1_has_to_be_converted():
 
 
 def test_a_folder_of_windows_is_a_slow_place_for_the_course(monkeypatch):
-    assert machine.windows_disk(Path("/mnt/c/course")).status == "WARN"
     monkeypatch.setattr("platform.release", lambda: "5.15.167.4-microsoft-standard-WSL2")
-    assert machine.is_of_windows(Path("/mnt/c/Users/me/course"))
+    assert machine.disk(Path("/mnt/c/Users/me/course"), ready=True).status == "WARN"
     assert not machine.is_of_windows(Path("/home/me/course"))
     assert not machine.is_of_windows(Path("/mnt/data/course"))
 

@@ -27,32 +27,26 @@ def environment(tmp_path):
 
 def test_jupyterlab_with_its_kernel_and_widgets_passes(environment):
     python = environment()
-    assert notebook.jupyterlab(python, ready=True).detail == "4.6.6, ipykernel 7.3.0"
-    assert notebook.widgets(python, ready=True).detail == "ipywidgets 8.1.9, ipycanvas 0.14.3"
+    assert notebook.jupyterlab(python).detail == "4.6.6, ipykernel 7.3.0"
+    assert notebook.widgets(python).detail == "ipywidgets 8.1.9, ipycanvas 0.14.3"
 
 
 def test_a_missing_kernel_fails(environment):
-    check = notebook.jupyterlab(environment(files=[]), ready=True)
+    check = notebook.jupyterlab(environment(files=[]))
     assert check.status == "FAIL"
     assert "kernel python3" in check.detail
 
 
 def test_a_missing_package_fails(environment):
     python = environment(distributions={"ipykernel": "7.3.0", "ipywidgets": "8.1.9"})
-    assert "jupyterlab missing" in notebook.jupyterlab(python, ready=True).detail
-    assert "ipycanvas missing" in notebook.widgets(python, ready=True).detail
+    assert "jupyterlab missing" in notebook.jupyterlab(python).detail
+    assert "ipycanvas missing" in notebook.widgets(python).detail
 
 
 @pytest.mark.parametrize("present", EXTENSIONS)
 def test_widgets_without_their_javascript_fail(environment, present):
-    check = notebook.widgets(environment(files=[present]), ready=True)
+    check = notebook.widgets(environment(files=[present]))
     assert check.status == "FAIL"
-
-
-def test_before_set_up_nothing_is_a_failure(environment):
-    python = environment(files=[], distributions={})
-    assert notebook.jupyterlab(python, ready=False).status == "WARN"
-    assert notebook.widgets(python, ready=False).status == "WARN"
 
 
 def test_a_browser_needs_a_screen_and_a_program(tmp_path):

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
 import pytest
 
 from course_kit.environment import report
 from course_kit.environment.report import Check, Report, fail, passed, warn
 
-GOOD = passed("memory", "8000 of 16000 MB available")
-DOUBTFUL = warn("conda", "/opt/conda is active", "it mixes its libraries with ours", "conda deactivate")
-BAD = fail("domain", "<b>300</b>", "there is no such domain", "export ROS_DOMAIN_ID=1 && echo done")
+
+def named(name: str, check: Check) -> Check:
+    return replace(check, name=name)
+
+
+GOOD = named("memory", passed("8000 of 16000 MB available"))
+DOUBTFUL = named("conda", warn("/opt/conda is active", "it mixes its libraries with ours", "conda deactivate"))
+BAD = named("domain", fail("<b>300</b>", "there is no such domain", "export ROS_DOMAIN_ID=1 && echo done"))
 
 
 @pytest.mark.parametrize("status", ["WARN", "FAIL"])
@@ -42,10 +48,10 @@ def test_colours_are_only_in_the_table_when_asked_for():
 
 
 def test_all_cures_that_need_root_are_gathered_in_one_line_to_copy():
-    venv = fail("venv module", "missing", "needed", "sudo apt-get install -y python3.11-venv")
-    headers = fail("compiler", "missing", "needed", "sudo apt-get install -y python3.11-dev")
-    jazzy = fail("architecture", "aarch64", "no wheels", "sudo apt-get install -y ros && source setup.bash")
-    loopback = fail("loopback", "down", "needed", "sudo ip link set lo up")
+    venv = fail("missing", "needed", "sudo apt-get install -y python3.11-venv")
+    headers = fail("missing", "needed", "sudo apt-get install -y python3.11-dev")
+    jazzy = fail("aarch64", "no wheels", "sudo apt-get install -y ros && source setup.bash")
+    loopback = fail("down", "needed", "sudo ip link set lo up")
     wanted = (
         "sudo apt-get update && sudo apt-get install -y python3.11-venv python3.11-dev ros && sudo ip link set lo up"
     )

@@ -59,16 +59,11 @@ def run(subject: Subject, names: Iterable[str] = ()) -> list[Check]:
 
 def _look(name: str, check: Callable[[Subject], Check], subject: Subject) -> Check:
     try:
-        return check(subject)
+        found = check(subject) if subject.ready or name not in AFTER_SET_UP else python.not_set_up()
     except Exception as error:
         reason = f"the check itself failed: {type(error).__name__}: {error}"
-        return warn(name, "not known", reason, "./environment-check.sh --json, and report what it prints")
-
-
-def _node(subject: Subject) -> Check:
-    if not subject.ready:
-        return python.not_set_up("ROS 2 node")
-    return ros.node(ros.round_trip(subject.python.path, subject.environ))
+        found = warn("not known", reason, "./environment-check.sh --json, and report what it prints")
+    return replace(found, name=name)
 
 
 CHECKS: dict[str, Callable[[Subject], Check]] = {
@@ -90,10 +85,11 @@ CHECKS: dict[str, Callable[[Subject], Check]] = {
     "discovery range": lambda s: ros.discovery(s.environ),
     "loopback": lambda s: network.loopback(),
     "shared memory": lambda s: network.shared_memory(),
-    "ROS 2 node": _node,
-    "JupyterLab": lambda s: notebook.jupyterlab(s.python, s.ready),
-    "widgets": lambda s: notebook.widgets(s.python, s.ready),
+    "ROS 2 node": lambda s: ros.node(ros.round_trip(s.python.path, s.environ)),
+    "JupyterLab": lambda s: notebook.jupyterlab(s.python),
+    "widgets": lambda s: notebook.widgets(s.python),
     "port": lambda s: network.ports(),
     "browser": lambda s: notebook.browser(s.environ, machine.is_wsl(platform.release())),
 }
+AFTER_SET_UP = ("ROS 2 node", "JupyterLab", "widgets")  # what can be looked at only then
 GIVEN = ("operating system", "C library", "architecture")

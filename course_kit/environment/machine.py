@@ -24,10 +24,8 @@ APT_JAZZY = (
 
 def operating_system(system: str, release: Mapping[str, str], kernel: str = "") -> Check:
     """Linux, also in a container or in WSL 2. `release` holds the fields of /etc/os-release."""
-    name = "operating system"
     if system != "Linux":
         return fail(
-            name,
             {"Darwin": "macOS"}.get(system, system),
             "the packages of ROS 2 that the course installs are made for Linux",
             "on Windows: wsl --install Ubuntu-24.04; on macOS: a Linux virtual machine or container",
@@ -35,12 +33,11 @@ def operating_system(system: str, release: Mapping[str, str], kernel: str = "") 
     distribution = release.get("PRETTY_NAME", "Linux")
     if is_wsl(kernel) and "wsl2" not in kernel.lower():
         return fail(
-            name,
             f"{distribution} in WSL 1",
             "WSL 1 has no Linux kernel, and DDS finds no other node there",
             f"in PowerShell, with the name that wsl --list shows: wsl --set-version {release.get('NAME', 'Ubuntu')} 2",
         )
-    return passed(name, f"{distribution} in WSL 2" if is_wsl(kernel) else distribution)
+    return passed(f"{distribution} in WSL 2" if is_wsl(kernel) else distribution)
 
 
 def is_wsl(kernel: str) -> bool:
@@ -58,25 +55,16 @@ def os_release() -> dict[str, str]:
 
 def c_library_version() -> str:
     """For example "glibc 2.36"; empty if it is not the GNU C library."""
-    try:
-        return os.confstr("CS_GNU_LIBC_VERSION") or ""
-    except (ValueError, OSError):
-        return ""
+    return " ".join(platform.libc_ver()).strip()
 
 
 def c_library(version: str) -> Check:
     """At least glibc 2.28, which the ROS 2 wheels are built for. `version` as "glibc 2.36", or empty."""
-    name = "C library"
-    library, _, number = version.partition(" ")
-    try:
-        new_enough = library == "glibc" and tuple(int(part) for part in number.split(".")[:2]) >= OLDEST_GLIBC
-    except ValueError:
-        new_enough = False
-    if new_enough:
-        return passed(name, version)
+    found = re.match(r"glibc (\d+)\.(\d+)", version)
+    if found and tuple(map(int, found.groups())) >= OLDEST_GLIBC:
+        return passed(version)
     needed = ".".join(map(str, OLDEST_GLIBC))
     return fail(
-        name,
         version or "not the GNU C library",
         f"the wheels of ROS 2 need glibc {needed} or newer; Alpine's musl does not run them",
         "use a newer distribution: Debian 10, Ubuntu 20.04, Fedora 29 and later have it",
@@ -86,9 +74,9 @@ def c_library(version: str) -> Check:
 def architecture(machine: str, sourced: bool) -> Check:
     """x86_64 for the ROS 2 wheels; whatever a sourced ROS 2 Jazzy runs on where there is one."""
     if sourced or machine == "x86_64":
-        return passed("architecture", machine)
+        return passed(machine)
     reason = "the wheels of ROS 2 exist for x86_64 only; apt has it for arm64 on Ubuntu 24.04, and the course uses that"
-    return fail("architecture", machine, reason, APT_JAZZY)
+    return fail(machine, reason, APT_JAZZY)
 
 
 def available_memory(meminfo: Path = Path("/proc/meminfo"), cgroup: Path = Path("/sys/fs/cgroup")) -> tuple[int, int]:
@@ -111,18 +99,16 @@ def _fields(path: Path) -> dict[str, int]:
 
 def memory(available: int, total: int) -> Check:
     """Enough of it free for JupyterLab, the kernels and a browser; both in MB."""
-    name, detail = "memory", f"{available} of {total} MB available"
+    detail = f"{available} of {total} MB available"
     if available >= NEEDED_MEMORY:
-        return passed(name, detail)
+        return passed(detail)
     if total < NEEDED_MEMORY // 2:
         return fail(
-            name,
             detail,
             "JupyterLab with one notebook takes about 500 MB, so this machine would kill the kernel",
             "give the machine or the container more memory, for example: docker run --memory=2g",
         )
     return warn(
-        name,
         detail,
         f"JupyterLab, two kernels and a browser take up to {NEEDED_MEMORY} MB; with less all gets slow",
         "close other programs; this shows the largest: ps aux --sort=-rss | head",
@@ -132,7 +118,11 @@ def memory(available: int, total: int) -> Check:
 def disk(folder: Path, ready: bool) -> Check:
     """Room for the environment, or once it is there for what the chapters write; and the right to write."""
     if is_of_windows(folder):
-        return windows_disk(folder)
+        return warn(
+            f"{folder} is on a disk of Windows",
+            "from WSL each file there takes ten times as long, and links and permissions do not work as in Linux",
+            f"work in Linux's own folders: cp -r '{folder}' ~/course && cd ~/course",
+        )
     free = shutil.disk_usage(folder).free // 1_000_000
     return disk_space(folder, free, os.access(folder, os.W_OK), ready)
 
@@ -142,38 +132,21 @@ def is_of_windows(folder: Path) -> bool:
     return is_wsl(platform.release()) and re.match(r"/mnt/[a-z]/", f"{folder}/") is not None
 
 
-def windows_disk(folder: Path) -> Check:
-    """What such a folder means."""
-    return warn(
-        "disk",
-        f"{folder} is on a disk of Windows",
-        "from WSL each file there takes ten times as long, and links and permissions do not work as in Linux",
-        f"work in Linux's own folders: cp -r '{folder}' ~/course && cd ~/course",
-    )
-
-
 def disk_space(folder: Path, free: int, writable: bool, ready: bool) -> Check:
     """The same from figures: `free` in MB."""
-    name, detail = "disk", f"{free} MB free for the course"
+    detail, cure = (
+        f"{free} MB free for the course",
+        "free some space; this shows where it went: du -xh ~ | sort -h | tail",
+    )
     if not writable and not ready:
         return fail(
-            name,
             f"{folder} cannot be written",
             "set-up makes the environment in the course's own folder",
             f"work in a copy of your own: cp -r '{folder}' ~/course && cd ~/course",
         )
     if not ready and free < NEEDED_DISK:
-        return fail(
-            name,
-            detail,
-            f"set-up needs {NEEDED_DISK} MB",
-            "free some space; this shows where it went: du -xh ~ | sort -h | tail",
-        )
+        return fail(detail, f"set-up needs {NEEDED_DISK} MB", cure)
     if free < SPARE_DISK:
-        return warn(
-            name,
-            detail,
-            "recordings, bags and workspaces need room; a full disk makes saving a notebook fail",
-            "free some space; this shows where it went: du -xh ~ | sort -h | tail",
-        )
-    return passed(name, detail)
+        reason = "recordings, bags and workspaces need room; a full disk makes saving a notebook fail"
+        return warn(detail, reason, cure)
+    return passed(detail)

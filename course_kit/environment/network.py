@@ -20,7 +20,6 @@ PACKET_TIMEOUT = 2.0
 
 def loopback(address: str = LOOPBACK) -> Check:
     """A UDP packet from this machine to itself, as DDS sends them."""
-    name = "loopback"
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
             receiver.settimeout(PACKET_TIMEOUT)
@@ -30,20 +29,17 @@ def loopback(address: str = LOOPBACK) -> Check:
             receiver.recv(64)
     except OSError as error:
         return fail(
-            name,
             f"no UDP packet gets through {address}: {error}",
             "nodes in different processes find each other through it; if it is up, a firewall may be in the way",
             "sudo ip link set lo up",
         )
-    return passed(name, f"a UDP packet gets through {address}")
+    return passed(f"a UDP packet gets through {address}")
 
 
 def shared_memory(folder: Path = SHARED_MEMORY) -> Check:
     """Writable and large enough; DDS passes messages through it."""
-    name = "shared memory"
     if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
         return warn(
-            name,
             f"{folder} is not there" if not folder.is_dir() else f"{folder} cannot be written",
             "DDS complains at every start and sends large messages the slow way, through UDP",
             f"sudo mount -t tmpfs -o mode=1777,size=512m tmpfs {folder}",
@@ -54,12 +50,10 @@ def shared_memory(folder: Path = SHARED_MEMORY) -> Check:
 
 def shared_memory_space(folder: Path, free: int, total: int) -> Check:
     """The same from figures in MB."""
-    name = "shared memory"
     if free >= NEEDED_SHARED_MEMORY:
         small = " (a container's default; enough for the course)" if total < CONTAINERS_SHARED_MEMORY else ""
-        return passed(name, f"{free} of {total} MB free in {folder}{small}")
+        return passed(f"{free} of {total} MB free in {folder}{small}")
     return warn(
-        name,
         f"{free} of {total} MB free in {folder}",
         "each process with nodes takes 0.6 MB, and what a killed one held stays; without it DDS gets slow",
         ".venv/bin/fastdds shm clean, or give a container more: docker run --shm-size=512m",
@@ -79,15 +73,13 @@ def is_free(port: int, address: str = LOOPBACK) -> bool:
 
 def ports(candidates: range = LAB_PORTS) -> Check:
     """A port for JupyterLab: its own, else one of the next."""
-    name = "port"
     free = next((port for port in candidates if is_free(port)), None)
     if free is None:
         return fail(
-            name,
             f"{candidates[0]} to {candidates[-1]} are all taken",
             "JupyterLab has no port to listen on",
             "jupyter server list shows running ones: stop some, or: ./environment-check.sh lab --port=9999",
         )
     if free == candidates[0]:
-        return passed(name, f"{free} is free for JupyterLab")
-    return passed(name, f"{candidates[0]} is taken, JupyterLab will use {free}")
+        return passed(f"{free} is free for JupyterLab")
+    return passed(f"{candidates[0]} is taken, JupyterLab will use {free}")

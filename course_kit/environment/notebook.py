@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from course_kit.environment.interpreter import Interpreter
-from course_kit.environment.python import RENEW, not_set_up
+from course_kit.environment.python import RENEW
 from course_kit.environment.report import Check, fail, passed
 
 # Name on PyPI -> where its JavaScript is, below share/jupyter/labextensions.
@@ -17,25 +17,19 @@ WIDGETS = {"ipywidgets": "@jupyter-widgets/jupyterlab-manager", "ipycanvas": "ip
 BROWSERS = ("xdg-open", "x-www-browser", "firefox", "google-chrome", "chromium", "chromium-browser")
 
 
-def jupyterlab(python: Interpreter, ready: bool) -> Check:
+def jupyterlab(python: Interpreter) -> Check:
     """JupyterLab and the kernel that runs the cells."""
-    name = "JupyterLab"
-    if not ready:
-        return not_set_up(name)
     missing = [package for package in ("jupyterlab", "ipykernel") if package not in python.distributions]
     if not Path(python.prefix, "share/jupyter/kernels/python3/kernel.json").exists():
         missing.append("the kernel python3")
     if missing:
-        return fail(name, f"{' and '.join(missing)} missing in {python.prefix}", "the notebooks run in it", RENEW)
+        return fail(f"{' and '.join(missing)} missing in {python.prefix}", "the notebooks run in it", RENEW)
     versions = python.distributions
-    return passed(name, f"{versions['jupyterlab']}, ipykernel {versions['ipykernel']}")
+    return passed(f"{versions['jupyterlab']}, ipykernel {versions['ipykernel']}")
 
 
-def widgets(python: Interpreter, ready: bool) -> Check:
+def widgets(python: Interpreter) -> Check:
     """The Python and the browser's half of the widgets that draw the turtle."""
-    name = "widgets"
-    if not ready:
-        return not_set_up(name)
     extensions = Path(python.prefix, "share/jupyter/labextensions")
     missing = [
         package
@@ -44,8 +38,8 @@ def widgets(python: Interpreter, ready: bool) -> Check:
     ]
     if missing:
         reason = "without them the turtle and its buttons show as plain text"
-        return fail(name, f"{' and '.join(missing)} missing in {python.prefix}", reason, RENEW)
-    return passed(name, ", ".join(f"{package} {python.distributions[package]}" for package in WIDGETS))
+        return fail(f"{' and '.join(missing)} missing in {python.prefix}", reason, RENEW)
+    return passed(", ".join(f"{package} {python.distributions[package]}" for package in WIDGETS))
 
 
 def has_browser(environ: Mapping[str, str]) -> bool:
@@ -59,10 +53,10 @@ def has_browser(environ: Mapping[str, str]) -> bool:
 def browser(environ: Mapping[str, str], wsl: bool = False) -> Check:
     """None is needed on this machine: any browser that reaches it will do."""
     if wsl:
-        return passed("browser", "that of Windows: ./environment-check.sh lab prints the address to open there")
+        return passed("that of Windows: ./environment-check.sh lab prints the address to open there")
     if has_browser(environ):
-        return passed("browser", "JupyterLab will open in it")
-    return passed("browser", "none here: ./environment-check.sh lab prints the address to open")
+        return passed("JupyterLab will open in it")
+    return passed("none here: ./environment-check.sh lab prints the address to open")
 
 
 if __name__ == "__main__":  # environment-check.sh asks whether there is a browser to open

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Mapping
 from pathlib import Path
 
 from course_kit.environment import stamp
@@ -35,30 +36,27 @@ STATES = {
 
 def shown(path: str) -> str:
     """A path as the report shows it: from the course's folder on, if it is inside."""
-    inside = Path(path).is_relative_to(stamp.ROOT)
-    return str(Path(path).relative_to(stamp.ROOT)) if inside else path
+    return path.removeprefix(f"{stamp.ROOT}{os.sep}")
 
 
-def not_set_up(name: str) -> Check:
+def not_set_up() -> Check:
     """For everything that set-up will bring."""
-    return warn(name, "not set up yet", "it comes with the environment of the course", SET_UP)
+    return warn("not set up yet", "it comes with the environment of the course", SET_UP)
 
 
 def version(python: Interpreter, ros: RosInstallation | None) -> Check:
     """Python 3.10 to 3.13, and with a sourced ROS 2 the one that ROS 2 is built for."""
-    name, detail = "Python", f"{python.release} ({shown(python.path)})"
+    detail = f"{python.release} ({shown(python.path)})"
     if supported(python.version, ros):
-        return passed(name, detail)
+        return passed(detail)
     if ros is not None:
         return fail(
-            name,
             detail,
             f"the ROS 2 in {ros.prefix} is compiled for another Python, and rclpy loads in that one only",
             "PYTHON=/usr/bin/python3 ./environment-check.sh lab",
         )
     oldest, newest = (".".join(map(str, v)) for v in (OLDEST, NEWEST))
     return fail(
-        name,
         detail,
         f"the wheels of ROS 2 exist for Python {oldest} to {newest}",
         f"name another, for example: PYTHON=/usr/bin/python3.12 {SET_UP}",
@@ -67,49 +65,35 @@ def version(python: Interpreter, ros: RosInstallation | None) -> Check:
 
 def set_up(state: str, python: Interpreter) -> Check:
     """The environment in .venv: there, finished and of this version of the course."""
-    name = "environment"
     if state in stamp.USABLE:
-        if python.unmet:
-            return unmet_pins(name, python.unmet)
-        return passed(name, f"{shown(python.prefix)} with {len(python.distributions)} packages")
+        if not python.unmet:
+            return passed(f"{shown(python.prefix)} with {len(python.distributions)} packages")
+        listed = ", ".join(python.unmet[:3]) + (" ..." if len(python.unmet) > 3 else "")
+        return warn(
+            f"{len(python.unmet)} packages are missing or have another version than the course's: {listed}",
+            "the course is tested with exactly its pinned versions",
+            RENEW,
+        )
     if state == stamp.INCOMPLETE:
         reason = "set-up makes .venv itself and touches none that somebody else made"
-        return fail(name, f".venv is {STATES[state]}", reason, f"mv .venv .venv-mine && {SET_UP}")
-    return warn(name, STATES[state], "the notebooks run in an environment that set-up makes in .venv", SET_UP)
-
-
-def unmet_pins(name: str, unmet: Sequence[str]) -> Check:
-    """Packages of the lock that are missing or have another version."""
-    listed = ", ".join(unmet[:3]) + (" ..." if len(unmet) > 3 else "")
-    return warn(
-        name,
-        f"{len(unmet)} packages are missing or have another version than the course's: {listed}",
-        "the course is tested with exactly its pinned versions",
-        RENEW,
-    )
+        return fail(f".venv is {STATES[state]}", reason, f"mv .venv .venv-mine && {SET_UP}")
+    return warn(STATES[state], "the notebooks run in an environment that set-up makes in .venv", SET_UP)
 
 
 def venv_module(python: Interpreter, ready: bool) -> Check:
     """Debian and Ubuntu ship the venv module as a package of its own."""
-    name = "venv module"
     if ready or python.has_venv:
-        return passed(name, "not needed any more" if ready else "there")
+        return passed("not needed any more" if ready else "there")
     packages = lacking(python.version, has_venv=False, has_headers=True, compiles=False)
-    return fail(
-        name,
-        "missing",
-        "set-up makes the environment with it",
-        f"sudo apt-get install -y {' '.join(packages)}",
-    )
+    return fail("missing", "set-up makes the environment with it", f"sudo apt-get install -y {' '.join(packages)}")
 
 
 def conda(environ: Mapping[str, str]) -> Check:
     """An active conda environment."""
     folder = environ.get("CONDA_PREFIX", "")
     if not folder:
-        return passed("conda", "no conda environment is active")
+        return passed("no conda environment is active")
     return warn(
-        "conda",
         f"{folder} is active",
         "its compiler, libraries and Python come first and can mix with those of ROS 2",
         "conda deactivate",
@@ -118,38 +102,36 @@ def conda(environ: Mapping[str, str]) -> Check:
 
 def python_path(environ: Mapping[str, str]) -> Check:
     """PYTHONPATH entries other than those of a sourced ROS or workspace, which have a check of their own."""
-    name = "PYTHONPATH"
     sourced = split_paths(environ.get("AMENT_PREFIX_PATH", ""))
     foreign = [
         entry
-        for entry in split_paths(environ.get(name, ""))
+        for entry in split_paths(environ.get("PYTHONPATH", ""))
         if not any(Path(entry).is_relative_to(prefix) for prefix in sourced)
     ]
     if not foreign:
-        return passed(name, "nothing foreign")
+        return passed("nothing foreign")
     shadows = [package for package in OURS if any(Path(entry, package).is_dir() for entry in foreign)]
     if not shadows:
         reason = "modules in these folders come before the course's own"
-        return warn(name, " ".join(foreign), reason, f"unset {name}")
+        return warn(" ".join(foreign), reason, "unset PYTHONPATH")
     reason = f"Python would load {', '.join(shadows)} from there and not from the course's environment"
     report = fail if set(shadows) & set(ROS_PACKAGES) else warn
-    return report(name, " ".join(foreign), reason, f"unset {name}")
+    return report(" ".join(foreign), reason, "unset PYTHONPATH")
 
 
 def compiler(environ: Mapping[str, str], python: Interpreter, ros: RosInstallation | None, ready: bool) -> Check:
     """Python.h and a C++ compiler: what set-up and chapter 2 compile with."""
-    name = "compiler"
     packages = [] if ready else interfaces_to_compile(ros)
     chapter = "the packages that you build in chapter 2 need it; the other chapters do not"
     if not python.has_headers:
         report, reason = (fail, f"set-up compiles {' and '.join(packages)} for Python") if packages else (warn, chapter)
         needed = lacking(python.version, has_venv=True, has_headers=False, compiles=True)
         cure = f"sudo apt-get install -y {' '.join(needed)}"
-        return report(name, f"Python.h of {python.path} is missing", reason, cure)
+        return report(f"Python.h of {python.path} is missing", reason, cure)
     found = of_the_machine(environ)
     if found:
-        return passed(name, found)
+        return passed(found)
     if ready and ZIG in python.distributions:
-        return passed(name, f"{ZIG} {python.distributions[ZIG]}, which set-up has brought: there is no c++")
+        return passed(f"{ZIG} {python.distributions[ZIG]}, which set-up has brought: there is no c++")
     instead = f"set-up will fetch the compiler {ZIG} instead (100 MB) and take about a minute longer"
-    return warn(name, "no c++", instead if packages else chapter, "sudo apt-get install -y g++")
+    return warn("no c++", instead if packages else chapter, "sudo apt-get install -y g++")

@@ -16,7 +16,9 @@ BADGE = {PASS: "#2e7d32", WARN: "#a15c00", FAIL: "#c62828"}
 
 @dataclass(frozen=True)
 class Check:
-    """What one check found. `reason` says why it matters, `cure` is the command that puts it right.
+    """What one check found; its name comes from the list of checks.
+
+    `reason` says why it matters, `cure` is the command that puts it right.
 
     Raises ValueError for a WARN or FAIL that does not say both.
     """
@@ -29,22 +31,22 @@ class Check:
 
     def __post_init__(self) -> None:
         if self.status != PASS and not (self.reason and self.cure):
-            raise ValueError(f"check {self.name!r} is {self.status} without a reason and a cure")
+            raise ValueError(f"{self.detail!r} is a {self.status} without a reason and a cure")
 
 
-def passed(name: str, detail: str) -> Check:
+def passed(detail: str) -> Check:
     """A check that is as it should be."""
-    return Check(name, PASS, detail)
+    return Check("", PASS, detail)
 
 
-def warn(name: str, detail: str, reason: str, cure: str) -> Check:
+def warn(detail: str, reason: str, cure: str) -> Check:
     """A check of something that the course can do without."""
-    return Check(name, WARN, detail, reason, cure)
+    return Check("", WARN, detail, reason, cure)
 
 
-def fail(name: str, detail: str, reason: str, cure: str) -> Check:
+def fail(detail: str, reason: str, cure: str) -> Check:
     """A check of something that the course needs and does not find."""
-    return Check(name, FAIL, detail, reason, cure)
+    return Check("", FAIL, detail, reason, cure)
 
 
 def failed(checks: Sequence[Check]) -> list[Check]:

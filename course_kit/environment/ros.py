@@ -11,13 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.environment.activation import (
-    DISTRO,
-    RosInstallation,
-    sourced_ros,
-    split_paths,
-    user_domain,
-)
+from course_kit.environment.activation import DISTRO, RosInstallation, sourced_ros, split_paths, user_domain
 from course_kit.environment.interpreter import Interpreter
 from course_kit.environment.python import RENEW, not_set_up
 from course_kit.environment.report import Check, fail, passed, warn
@@ -34,19 +28,15 @@ UNSOURCE = (
 
 def installation(ros: RosInstallation | None, python: Interpreter, ready: bool) -> Check:
     """The ROS 2 that the notebooks will use: a sourced Jazzy, else the wheels in the environment."""
-    name = "ROS 2"
     if not ready:
-        if ros is not None:
-            return passed(name, f"Jazzy from {ros.prefix}, and the course will use it")
-        return not_set_up(name)
+        return passed(f"Jazzy from {ros.prefix}, and the course will use it") if ros else not_set_up()
     if ros is None:
         version = python.distributions.get("ros-jazzy-rclpy", "")
         if version and Path(python.rclpy).is_relative_to(python.prefix):
-            return passed(name, f"Jazzy from the wheels in the environment: rclpy {version}")
+            return passed(f"Jazzy from the wheels in the environment: rclpy {version}")
     elif python.rclpy and Path(python.rclpy).is_relative_to(ros.prefix):
-        return passed(name, f"Jazzy from {ros.prefix}")
+        return passed(f"Jazzy from {ros.prefix}")
     return fail(
-        name,
         f"rclpy comes from {python.rclpy}" if python.rclpy else f"no rclpy for {python.path}",
         f"it should come from {ros.prefix if ros else python.prefix}; else it is another or half a ROS 2",
         RENEW,
@@ -55,25 +45,23 @@ def installation(ros: RosInstallation | None, python: Interpreter, ready: bool) 
 
 def other_installations(installations: Sequence[RosInstallation], environ: Mapping[str, str]) -> Check:
     """A sourced ROS of another distribution, or two at once."""
-    name, distro = "sourced ROS", environ.get("ROS_DISTRO", "")
+    distro = environ.get("ROS_DISTRO", "")
     prefixes = [str(ros.prefix) for ros in installations]
     foreign = [ros for ros in installations if ros.distro != DISTRO]
     if foreign or (distro not in ("", DISTRO) and not installations):
         where = str(foreign[0].prefix) if foreign else f"/opt/ros/{distro}"
         return warn(
-            name,
             f"{distro or foreign[0].distro} is sourced ({where}), the course is for {DISTRO}",
             "the course takes it out of its own processes; others of this terminal would mix the two",
             UNSOURCE.format(where),
         )
     if len(prefixes) > 1:
         return fail(
-            name,
             f"several are sourced: {' '.join(prefixes)}",
             "libraries of two installations in one process end in crashes that look like bugs of yours",
             UNSOURCE.format(prefixes[-1]),
         )
-    return passed(name, f"{DISTRO} from {prefixes[0]}" if prefixes else "none, the course brings its own")
+    return passed(f"{DISTRO} from {prefixes[0]}" if prefixes else "none, the course brings its own")
 
 
 @dataclass(frozen=True)
@@ -117,84 +105,68 @@ def round_trip(
 
 def node(result: RoundTrip) -> Check:
     """Whether a node starts and a message gets from one process to another."""
-    name = "ROS 2 node"
     if result.error:
-        return fail(
-            name,
-            result.error,
-            "rclpy does not start a node; the lines ROS 2, RMW_IMPLEMENTATION and PYTHONPATH may say more",
-            RENEW,
-        )
+        reason = "rclpy does not start a node; the lines ROS 2, RMW_IMPLEMENTATION and PYTHONPATH may say more"
+        return fail(result.error, reason, RENEW)
     if result.message is None:
         return fail(
-            name,
             "a node starts, but no message came from another process",
             "something keeps DDS from the loopback network or from shared memory",
             "unset ROS_AUTOMATIC_DISCOVERY_RANGE ROS_DISCOVERY_SERVER FASTRTPS_DEFAULT_PROFILES_FILE",
         )
-    return passed(name, f"started in {result.node:.2f} s, message after {result.message:.2f} s ({result.rmw})")
+    return passed(f"started in {result.node:.2f} s, message after {result.message:.2f} s ({result.rmw})")
 
 
 def domain(environ: Mapping[str, str], uid: int) -> Check:
     """ROS_DOMAIN_ID: a number from 0 to 232, best up to 101."""
-    name = "ROS_DOMAIN_ID"
-    value = environ.get(name, "")
+    value = environ.get("ROS_DOMAIN_ID", "")
     if not value:
-        return passed(name, f"not set: the course uses {user_domain(uid)}, a domain of your own")
-    cure = f"export {name}={user_domain(uid)}"
+        return passed(f"not set: the course uses {user_domain(uid)}, a domain of your own")
+    cure = f"export ROS_DOMAIN_ID={user_domain(uid)}"
     if not value.isascii() or not value.isdigit() or int(value) > LARGEST_DOMAIN:
-        return fail(name, value, f"ROS 2 has the domains 0 to {LARGEST_DOMAIN} and no others", cure)
+        return fail(value, f"ROS 2 has the domains 0 to {LARGEST_DOMAIN} and no others", cure)
     if int(value) > LARGEST_SAFE_DOMAIN:
         reason = f"above {LARGEST_SAFE_DOMAIN} any other program may already have the ports that DDS needs"
-        return warn(name, value, reason, cure)
-    return passed(name, value)
+        return warn(value, reason, cure)
+    return passed(value)
 
 
 def discovery(environ: Mapping[str, str]) -> Check:
     """Which machines the nodes look for others on."""
-    name, variable = "discovery range", "ROS_AUTOMATIC_DISCOVERY_RANGE"
     if environ.get("ROS_LOCALHOST_ONLY") == "1":
-        return passed(name, "this machine only (ROS_LOCALHOST_ONLY=1)")
-    value = environ.get(variable, "")
+        return passed("this machine only (ROS_LOCALHOST_ONLY=1)")
+    value = environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")
     if not value and "ROS_LOCALHOST_ONLY" not in environ:
-        return passed(name, "not set: the course stays on this machine (LOCALHOST)")
+        return passed("not set: the course stays on this machine (LOCALHOST)")
+    cure = "export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"
+    if value == "LOCALHOST":
+        return passed(value)
     if value == "OFF":
-        return fail(
-            name,
-            value,
-            "nodes find no other process, so neither the turtle nor the checks of the exercises",
-            f"export {variable}=LOCALHOST",
-        )
+        return fail(value, "nodes find no other process, so neither the turtle nor the checks of the exercises", cure)
     if value in ("SUBNET", "SYSTEM_DEFAULT", ""):
-        return warn(
-            name,
-            value or "ROS_LOCALHOST_ONLY=0",
-            "your nodes and those of everybody in this network with your domain drive each other's robots",
-            f"unset ROS_LOCALHOST_ONLY; export {variable}=LOCALHOST",
-        )
-    if value != "LOCALHOST":
-        reason = "ROS 2 knows LOCALHOST, SUBNET, OFF and SYSTEM_DEFAULT, and warns at every start about others"
-        return warn(name, value, reason, f"export {variable}=LOCALHOST")
-    return passed(name, value)
+        reason = "your nodes and those of everybody in this network with your domain drive each other's robots"
+        return warn(value or "ROS_LOCALHOST_ONLY=0", reason, f"unset ROS_LOCALHOST_ONLY; {cure}")
+    reason = "ROS 2 knows LOCALHOST, SUBNET, OFF and SYSTEM_DEFAULT, and warns at every start about others"
+    return warn(value, reason, cure)
 
 
 def middleware(environ: Mapping[str, str], ros: RosInstallation | None, prefix: str, ready: bool) -> Check:
     """RMW_IMPLEMENTATION names a middleware that is installed."""
-    name = "RMW_IMPLEMENTATION"
-    value = environ.get(name, "")
+    value = environ.get("RMW_IMPLEMENTATION", "")
     if not value:
-        return passed(name, "not set: ROS 2 takes its default, Fast DDS")
+        return passed("not set: ROS 2 takes its default, Fast DDS")
     folders = [os.path.join(ros.prefix if ros else prefix, "lib")]
     if ros is not None:  # an overlay may bring one; the course's own environment has none but its own
         folders += split_paths(environ.get("LD_LIBRARY_PATH", ""))
     there = any(Path(folder, f"lib{value}.so").exists() for folder in folders)
     if there or (not ready and ros is None and value == "rmw_fastrtps_cpp"):
-        return passed(name, value)
+        return passed(value)
     return fail(
-        name,
         f"{value} is not installed",
         "rclpy loads the middleware of that name when it starts, and ends if it is not there",
-        f"unset {name}" if ros is None else f"sudo apt-get install -y ros-{DISTRO}-{value.replace('_', '-')}",
+        "unset RMW_IMPLEMENTATION"
+        if ros is None
+        else f"sudo apt-get install -y ros-{DISTRO}-{value.replace('_', '-')}",
     )
 
 
