@@ -216,17 +216,9 @@ def _end(entry: _Running) -> None:
     _tell("stopped", entry.name)
 
 
-def executor_of(node: Node) -> Executor | None:
-    """The executor that spins a node in the background, or None."""
-    for entry in list(_running.values()):
-        if entry.node is node and entry.spinning.is_alive:
-            return entry.spinning.executor
-    return None
-
-
 def is_running(node: Node) -> bool:
     """Whether a node runs in the background."""
-    return executor_of(node) is not None
+    return node in nodes()
 
 
 def nodes() -> list[Node]:

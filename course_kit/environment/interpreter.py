@@ -45,11 +45,6 @@ class Interpreter:
         """The version in full: '3.11.7'."""
         return ".".join(map(str, self.version))
 
-    @property
-    def minor(self) -> str:
-        """The version by which Pythons fit together: '3.11'."""
-        return ".".join(map(str, self.version[:2]))
-
 
 def supported(version: Sequence[int], ros: RosInstallation | None) -> bool:
     """Whether the course runs on this version: that of a sourced ROS 2 where there is one."""

@@ -31,16 +31,9 @@ def sources(root: Path) -> Iterator[Path]:
     """The files that decide what set-up makes."""
     kit = root / "course_kit"
     yield root / "pyproject.toml"
-    yield kit / "environment/requirements.lock"
-    yield kit / "environment/compiler.py"
-    yield kit / "environment/pins.py"
-    yield kit / "interfaces/build_hook.py"
-    yield kit / "interfaces/rosidl.py"
-    folders = [
-        kit / "environment/prefix",
-        *(path.parent for path in sorted(kit.glob("interfaces/*/package.xml"))),
-    ]
-    for folder in folders:
+    yield from (kit / "environment" / name for name in ("requirements.lock", "compiler.py", "pins.py"))
+    yield from (kit / "interfaces" / name for name in ("build_hook.py", "rosidl.py"))
+    for folder in (kit / "environment/prefix", *(p.parent for p in sorted(kit.glob("interfaces/*/package.xml")))):
         yield from sorted(p for p in folder.rglob("*") if p.is_file() and p.parent.name != "__pycache__")
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import html
 import threading
 from collections import deque
-
-from IPython.display import DisplayHandle, display
+from collections.abc import Iterable
 
 from course_kit import kernel
 from course_kit.background import running
+from course_kit.live.life import Shown
 from course_kit.node_logs import rosout
 from course_kit.spinning import context, errors
 from course_kit.text import stands_still
@@ -17,14 +17,15 @@ from course_kit.text import stands_still
 LAST_LINES = 8
 # Seconds between two updates of a console: a node may log a thousand times a second.
 PERIOD = 0.25
-STATES = {"running": "▶", "stopped": "■", "failed": "✘"}
+SIGNS = {"running": "▶", "stopped": "■", "ended": "■", "failed": "✘"}
 
 
-class Shown:
-    """What stands under a cell and changes."""
+class Console:
+    """What stands under the cell that has started something, and changes."""
 
     def __init__(self) -> None:
-        self._handle: DisplayHandle | None = display(self.bundle(), raw=True, display_id=True)
+        self.cell = current_cell()
+        self._shown = Shown(self.bundle())
 
     def bundle(self) -> dict[str, str]:
         """It as plain text and as HTML."""
@@ -32,40 +33,41 @@ class Shown:
 
     def update(self) -> None:
         """Show the present state in the cell where it stands."""
-        if self._handle is None:
-            return
         try:
-            shown = self.bundle()
+            self._shown.update(self.bundle())
         except Exception as error:  # there is no other place where it could be seen
-            shown = {"text/plain": stands_still("This", error)}
-        self._handle.update(shown, raw=True)
+            self._shown.update({"text/plain": stands_still("This", error)})
 
 
-class Console(Shown):
+def bundle(name: str, state: str, lines: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """A console: what it is of, how that goes, and lines, each as text and as HTML."""
+    head = f"{SIGNS[state.split()[0]]} {name} {state}"
+    text, page = zip((head, f"<b>{html.escape(head)}</b>\n"), *lines, strict=True)
+    return {
+        "text/plain": "\n".join(text),
+        "text/html": f"<pre class='course-kit-console' style='margin:0'>{''.join(page)}</pre>",
+    }
+
+
+class NodeConsole(Console):
     """What is shown for one node."""
 
-    def __init__(self, name: str, cell: str) -> None:
+    def __init__(self, name: str) -> None:
         self.name = name
-        self.cell = cell
         self.state = "running"
         self.lines: deque[rosout.LogLine] = deque(maxlen=LAST_LINES)
         super().__init__()
 
     def bundle(self) -> dict[str, str]:
-        """The console as plain text and as HTML."""
-        failures = errors.errors(self.name)[-2:]
-        head = f"{STATES[self.state]} {self.name} {self.state}"
-        text = [head, *(f"  {line}" for line in self.lines), *(f"✘ {error}" for error in failures)]
-        shown = [f"<b>{html.escape(head)}</b>\n", *(rosout.html_line(line) for line in self.lines)]
-        shown += [f"<span style='color:#dc322f'>✘ {html.escape(str(error))}</span>\n" for error in failures]
-        return {
-            "text/plain": "\n".join(text),
-            "text/html": f"<pre class='course-kit-console' style='margin:0'>{''.join(shown)}</pre>",
-        }
+        """The last lines that it has logged, and what its callbacks have raised."""
+        lines = [(f"  {line}", rosout.html_line(line)) for line in self.lines]
+        for error in errors.errors(self.name)[-2:]:
+            lines.append((f"✘ {error}", f"<span style='color:#dc322f'>✘ {html.escape(str(error))}</span>\n"))
+        return bundle(self.name, self.state, lines)
 
 
-_consoles: dict[str, Console] = {}
-_changed: set[Shown] = set()
+_consoles: dict[str, NodeConsole] = {}
+_changed: set[Console] = set()
 _wake = threading.Event()
 _ending = threading.Event()
 _updater: threading.Thread | None = None
@@ -81,9 +83,9 @@ def attach() -> None:
 
 def _on_event(event: str, name: str) -> None:
     if event == "starting":
-        cell, earlier = current_cell(), _consoles.get(name)
-        if earlier is None or earlier.cell != cell:
-            _consoles[name] = Console(name, cell)
+        earlier = _consoles.get(name)
+        if earlier is None or earlier.cell != current_cell():
+            _consoles[name] = NodeConsole(name)
         else:  # run again by the same cell, in a loop for instance
             earlier.state = "running"
             earlier.lines.clear()
@@ -116,7 +118,7 @@ def _mark(name: str) -> None:
         refresh(console)
 
 
-def refresh(console: Shown) -> None:
+def refresh(console: Console) -> None:
     """Have a console updated soon."""
     global _updater
     _changed.add(console)

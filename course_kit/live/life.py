@@ -1,15 +1,31 @@
-"""The one life of all that moves under a cell."""
+"""What stands under a cell and changes, and the one life of all that moves there."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from typing import Any
+
+from IPython.display import DisplayHandle, display
 
 from course_kit.spinning import context
 
+Bundle = dict[str, Any]  # by MIME type
 END_TIMEOUT = 4.0  # seconds for a last picture that is just being drawn
 
 alive: list[Life] = []  # the oldest first
+
+
+class Shown:
+    """A MIME bundle under the cell that runs; it can be shown anew."""
+
+    def __init__(self, bundle: Bundle) -> None:
+        self._handle: DisplayHandle | None = display(bundle, raw=True, display_id=True)
+
+    def update(self, bundle: Bundle) -> None:
+        """Show another one in its place."""
+        if self._handle is not None:  # else there is no notebook
+            self._handle.update(bundle, raw=True)
 
 
 class Life:

@@ -4,32 +4,24 @@ from __future__ import annotations
 
 import html
 
-from course_kit.live.console import Shown, current_cell, refresh
+from course_kit.live.console import Console, bundle, current_cell, refresh
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 
 LAST_LINES = 12
-SIGNS = {"running": "▶", "stopped": "■", "ended": "■", "failed": "✘"}
 
 
-class ProcessConsole(Shown):
+class ProcessConsole(Console):
     """What is shown for one process."""
 
-    def __init__(self, process: Process, cell: str) -> None:
+    def __init__(self, process: Process) -> None:
         self.process = process
-        self.cell = cell
         super().__init__()
 
     def bundle(self) -> dict[str, str]:
-        """The console as plain text and as HTML."""
-        state = self.process.state
-        head = f"{SIGNS[state.split()[0]]} {self.process.name} {state}"
-        lines = [f"  {line}" for line in self.process.lines[-LAST_LINES:]]
-        shown = f"<b>{html.escape(head)}</b>\n" + "".join(f"{html.escape(line)}\n" for line in lines)
-        return {
-            "text/plain": "\n".join([head, *lines]),
-            "text/html": f"<pre class='course-kit-console' style='margin:0'>{shown}</pre>",
-        }
+        """The last lines that it has printed."""
+        lines = [(f"  {line}", f"  {html.escape(line)}\n") for line in self.process.lines[-LAST_LINES:]]
+        return bundle(self.process.name, self.process.state, lines)
 
 
 _consoles: dict[str, ProcessConsole] = {}
@@ -41,9 +33,9 @@ def attach() -> None:
 
 
 def _on_start(process: Process) -> None:
-    cell, earlier = current_cell(), _consoles.get(process.name)
-    if earlier is None or earlier.cell != cell:
-        _consoles[process.name] = ProcessConsole(process, cell)
+    earlier = _consoles.get(process.name)
+    if earlier is None or earlier.cell != current_cell():
+        _consoles[process.name] = ProcessConsole(process)
     else:  # started again by the same cell, in a loop for instance
         earlier.process = process
         refresh(earlier)

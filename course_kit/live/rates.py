@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.live.view import LONGEST, Bundle, LiveView, as_text
+from course_kit.live.life import Bundle
+from course_kit.live.view import LONGEST, LiveView, as_text
 from course_kit.node_logs import rosout
 from course_kit.recordings import meters
 from course_kit.recordings.measure import Reading

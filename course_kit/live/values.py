@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 
 from course_kit.figures import Plot, style
-from course_kit.live.view import LONGEST, Bundle, LiveView, as_picture
+from course_kit.live.life import Bundle
+from course_kit.live.view import LONGEST, LiveView, as_picture
 from course_kit.recordings.recording import record
 from course_kit.series import field_paths, value_plots, value_series
 from course_kit.series.value_series import Values

@@ -7,16 +7,12 @@ import html
 import io
 import time
 from collections.abc import Callable
-from typing import Any
-
-from IPython.display import DisplayHandle, display
 
 from course_kit import kernel
 from course_kit.figures import SCREEN_DPI, Plot
-from course_kit.live.life import Life, stop_all
+from course_kit.live.life import Bundle, Life, Shown, stop_all
 from course_kit.text import stands_still
 
-Bundle = dict[str, Any]
 LONGEST = 600.0  # seconds after which a view that was forgotten ends
 
 
@@ -33,7 +29,7 @@ class LiveView(Life):
         self._deadline = time.monotonic() + seconds
         self._cell, self._request = _cell()
         stop_all(self._replaces)
-        self._handle: DisplayHandle | None = display(draw(), raw=True, display_id=True)
+        self._shown = Shown(draw())
         self._begin(f"live {what}", period)
 
     def _replaces(self, other: Life) -> bool:
@@ -50,7 +46,7 @@ class LiveView(Life):
 
     def _show(self) -> float:
         start = time.monotonic()
-        self._update(self._draw())
+        self._shown.update(self._draw())
         if start >= self._deadline:
             self._ending.set()
         return max(self._period + start - time.monotonic(), self._period / 4)
@@ -62,12 +58,8 @@ class LiveView(Life):
         except Exception as last:
             error = last
         if error is not None:
-            self._update(as_text(stands_still(f"The view of {self.what}", error)))
+            self._shown.update(as_text(stands_still(f"The view of {self.what}", error)))
         self._close()
-
-    def _update(self, bundle: Bundle) -> None:
-        if self._handle is not None:
-            self._handle.update(bundle, raw=True)
 
 
 def _cell() -> tuple[str, str]:

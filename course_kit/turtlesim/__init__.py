@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -13,12 +14,7 @@ __all__ = ["Teleop", "TurtleSim"]
 
 def __getattr__(name: str) -> Any:
     # Lazily, because the pure parts (world, field, picture) are used where no ROS is.
-    if name == "TurtleSim":
-        from course_kit.turtlesim.node import TurtleSim
-
-        return TurtleSim
-    if name == "Teleop":
-        from course_kit.turtlesim.teleop import Teleop
-
-        return Teleop
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = {"TurtleSim": "node", "Teleop": "teleop"}.get(name)
+    if module is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{module}"), name)

@@ -11,7 +11,7 @@ from turtlesim.msg import Color, Pose
 from turtlesim.srv import SetPen, TeleportAbsolute, TeleportRelative
 
 from course_kit.turtlesim.rotate_server import RotateServer
-from course_kit.turtlesim.turtle import Reading, Rotation
+from course_kit.turtlesim.turtle import Reading
 
 if TYPE_CHECKING:
     from course_kit.turtlesim.node import TurtleSim
@@ -31,10 +31,9 @@ class TurtleInterface:
         self._publishers: list[Any] = []
         self._subscriptions: list[Any] = []
         self._services: list[Any] = []
-        self._rotate: RotateServer | None = None
+        self._rotate = RotateServer(node, f"{name}/rotate_absolute", lambda goal: node.world.rotate(name, goal))
         try:
             self._create_topics_and_services()
-            self._rotate = RotateServer(node, f"{name}/rotate_absolute", self._begin_rotation)
         except Exception:
             self.destroy()
             raise
@@ -44,16 +43,13 @@ class TurtleInterface:
     def retire(self) -> None:
         """Take a killed turtle out of the graph; its action goes later, and rejects goals until then."""
         self._destroy_topics_and_services()
-        self._lingers = 0
-        if self._rotate is not None:
-            self._rotate.retired = True
-            self._lingers = LINGER if self._rotate.used else 0
+        self._rotate.retired = True
+        self._lingers = LINGER if self._rotate.used else 0
 
     def revive(self) -> None:
         """Bring a turtle back that was killed a moment ago."""
         self._create_topics_and_services()
-        if self._rotate is not None:
-            self._rotate.retired = False
+        self._rotate.retired = False
 
     def linger(self) -> bool:
         """Count a tick of a killed turtle; False when its time is over."""
@@ -63,19 +59,17 @@ class TurtleInterface:
     def destroy(self) -> None:
         """Take all of it out of the graph at once."""
         self._destroy_topics_and_services()
-        if self._rotate is not None:
-            self._rotate.destroy()
+        self._rotate.destroy()
 
     # Around each tick.
 
     def pass_cancels(self) -> None:
         """Tell the world whether the turtle's rotation is to be cancelled."""
-        if self._rotate is not None:
-            self._rotate.pass_cancels()
+        self._rotate.pass_cancels()
 
     def publish(self, reading: Reading) -> None:
         """Publish what a tick has told about the turtle."""
-        if reading.remaining is not None and self._rotate is not None:
+        if reading.remaining is not None:
             self._rotate.publish_feedback(reading.remaining)
         x, y, theta, linear, angular = reading.pose
         pose, color = self._publishers
@@ -85,8 +79,7 @@ class TurtleInterface:
 
     def settle(self) -> None:
         """Send the results of rotations that have ended."""
-        if self._rotate is not None:
-            self._rotate.settle()
+        self._rotate.settle()
 
     # Its entities and their callbacks.
 
@@ -134,6 +127,3 @@ class TurtleInterface:
         self._world.teleport_relative(self._name, request.linear, request.angular)
         self._node.settle()
         return response
-
-    def _begin_rotation(self, goal: float) -> Rotation:
-        return self._world.rotate(self._name, goal)
