@@ -1,7 +1,7 @@
 """Writes rosbag2's files: storage by rosbags, with the names, metadata and hashes that Jazzy's rosbag2 gives them.
 
 Every flush() leaves all messages so far readable, also after kill -9; what is missing then is metadata.yaml and, in
-an mcap file, the index at its end (see bag_files).
+an mcap file, the index at its end (see files.py).
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionMode, Reader
@@ -34,20 +34,13 @@ def _known(what: str) -> Iterator[None]:
         raise NotAsExpected(f"rosbags {version('rosbags')} {what} in another way here ({error})") from None
 
 
-class StorageFile:
+class _NewFile:
     """A new storage file, to which topics and messages are added. Raises NotAsExpected."""
-
-    ENDING: ClassVar[str]
 
     def __init__(self, writer: Any) -> None:
         self._writer = writer
         self._types: set[str] = set()
-        self._written = 0  # bytes of messages
-
-    @property
-    def size(self) -> int:
-        """Bytes so far, with those that are not written out yet."""
-        return self._written
+        self.abort = writer.abort  # closes the file as it is
 
     def add(self, connection: Connection, profiles: str) -> None:
         """Make a topic known; `profiles` are those of its publishers, as YAML."""
@@ -59,25 +52,12 @@ class StorageFile:
     def _add_connection(self, connection: Connection, profiles: str) -> None:
         self._writer.add_connection(connection, profiles)
 
-    def write(self, connection: Connection, timestamp: int, data: bytes) -> None:
-        """Add a message; `timestamp` in ns."""
-        self._written += len(data)
-        self._writer.write(connection, timestamp, data)
-
-    def flush(self) -> None:
-        """Hand everything to the operating system, readable."""
-        raise NotImplementedError
-
     def close(self, metadata_version: int, metadata: str) -> None:
         """Write the bag's metadata and the index, and close the file."""
         self._writer.close(metadata_version, metadata)
 
-    def abort(self) -> None:
-        """Close the file as it is."""
-        self._writer.abort()
 
-
-class McapFile(StorageFile):
+class McapFile(_NewFile):
     """An mcap file whose channels tell the types' hashes, as rosbag2's do."""
 
     ENDING = ".mcap"
@@ -86,12 +66,11 @@ class McapFile(StorageFile):
         with _known("writes mcap files"):
             from rosbags.rosbag2 import storage_mcap
 
-            super().__init__(
-                storage_mcap.McapWriter(path.parent, CompressionMode.NONE)
-            )  # names the file like the folder
-            self._writer.path.rename(path)
+            super().__init__(storage_mcap.McapWriter(path.parent, CompressionMode.NONE))
+            self._writer.path.rename(path)  # rosbags names it like the folder
             attrgetter("channels", "schemas", "channel_stats", "message_start_time", "close_chunk")(self._writer)
             attrgetter("bio", "msgs", "message_start_time")(self._writer.chunk)
+            self.write = self._writer.write  # with connection, nanoseconds and data of a message
             self._channel, self._write_channel = storage_mcap.Channel, storage_mcap.write_channel
             self._writer.bio.flush()  # an mcap file from the first moment on
 
@@ -124,7 +103,7 @@ class McapFile(StorageFile):
         super().close(metadata_version, metadata)
 
 
-class Sqlite3File(StorageFile):
+class Sqlite3File(_NewFile):
     """An sqlite3 file that several threads may write to, one at a time."""
 
     ENDING = ".db3"
@@ -140,14 +119,21 @@ class Sqlite3File(StorageFile):
             self._writer.conn = sqlite3.connect(path, check_same_thread=False)
             self._writer.cursor = self._writer.conn.cursor()
             self._writer.cursor.execute("UPDATE schema SET ros_distro = ?", (DISTRO,))
+            self.size = 0  # bytes of messages so far, with those that are not written out yet
             self.flush()
+
+    def write(self, connection: Connection, timestamp: int, data: bytes) -> None:
+        """Add a message; `timestamp` in ns."""
+        self.size += len(data)
+        self._writer.write(connection, timestamp, data)
 
     def flush(self) -> None:
         """Commit everything."""
         self._writer.conn.commit()
 
 
-FILES: dict[str, type[McapFile | Sqlite3File]] = {"mcap": McapFile, "sqlite3": Sqlite3File}
+StorageFile = McapFile | Sqlite3File
+FILES: dict[str, type[StorageFile]] = {"mcap": McapFile, "sqlite3": Sqlite3File}
 
 
 def unfinished_mcap(file: Path, records: Sequence[tuple[int, int, int]]) -> Reader:
