@@ -6,6 +6,7 @@ import asyncio
 import os
 from collections import Counter, deque
 from collections.abc import Iterable
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,11 +15,8 @@ if TYPE_CHECKING:
     from course_kit.launching.substitutions import Substitution
 
 
-class Locals:
+class Locals(SimpleNamespace):
     """What is known only while an event is handled, as attributes: `context.locals.event`."""
-
-    def __init__(self, values: dict[str, Any]) -> None:
-        self.__dict__.update(values)
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(f"context.locals has no '{name}' here")
@@ -48,7 +46,7 @@ class LaunchContext:
     @property
     def locals(self) -> Locals:
         """Values of the event that is being handled and of the launch file."""
-        return Locals(self.local_values)
+        return Locals(**self.local_values)
 
     def get_locals_as_dict(self) -> dict[str, Any]:
         """The same, as a dictionary."""

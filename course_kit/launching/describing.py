@@ -54,13 +54,10 @@ def description_text(description: LaunchDescription) -> str:
 
 
 def _entities(entities: Iterable[Any]) -> list[str]:
-    lines: list[str] = []
-    for entity in entities:
-        lines += _action(entity) if isinstance(entity, Action) else [f"Unknown entity('{entity}')"]
-    return lines
+    return [line for entity in entities for line in _entity(entity)]
 
 
-def _action(action: Action) -> list[str]:
+def _entity(action: Any) -> list[str]:
     if isinstance(action, LogInfo):
         return [f"LogInfo({described(action.msg)})"]
     if isinstance(action, EmitEvent):
@@ -75,7 +72,7 @@ def _action(action: Action) -> list[str]:
         description, entities = action.event_handler.describe()
         led_to = (f"        {line}" for line in _entities(entities))
         return [f"RegisterEventHandler('{action.event_handler}'):", f"    {description}", *led_to]
-    return [f"Action('{action}')"]
+    return [f"{'Action' if isinstance(action, Action) else 'Unknown entity'}('{action}')"]
 
 
 def _as_tree(lines: list[str]) -> list[str]:

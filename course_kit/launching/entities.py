@@ -106,9 +106,7 @@ class LaunchDescription(LaunchDescriptionEntity):
         """Add an entity at the end."""
         self.entities.append(entity)
 
-    def add_action(self, action: LaunchDescriptionEntity) -> None:
-        """Add an action at the end."""
-        self.add_entity(action)
+    add_action = add_entity
 
 
 def visit_all(entity: LaunchDescriptionEntity, context: LaunchContext) -> list[asyncio.Future[None]]:

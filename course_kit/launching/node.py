@@ -155,14 +155,14 @@ class Node(ExecuteProcess):
     def _parameter_words(self, context: LaunchContext, node: str) -> list[str]:
         words: list[str] = []
         for name, value in context.launch_configurations.get("global_params", {}).items():
-            words += ["-p", f"{name}:={_inline(value)}"]
+            words += ["-p", f"{name}:={parameters.yaml_text(value, in_one_line=True).strip()}"]
         for given in self._parameters:
             if isinstance(given, parameters.ParameterFile):
                 path = given.evaluate(context)
             else:
-                text = parameters.yaml_text(node, parameters.flat(context, given))
+                values = {node: {"ros__parameters": parameters.flat(context, given)}}
                 with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False, encoding="utf-8") as file:
-                    file.write(text)
+                    file.write(parameters.yaml_text(values, in_one_line=False))
                 path = file.name
                 context.temporary_files.append(path)
             if os.path.isfile(path):
@@ -170,13 +170,6 @@ class Node(ExecuteProcess):
             else:
                 output.get_logger("launch_ros.actions.node").warning(f"Parameter file path is not a file: {path}")
         return words
-
-
-def _inline(value: Any) -> str:
-    """A value as `-p name:=value` takes it."""
-    import yaml  # type: ignore[import-untyped]
-
-    return str(yaml.safe_dump(value, default_flow_style=True)).removesuffix("...\n").strip()
 
 
 def _list(given: Any) -> list[Any]:

@@ -98,27 +98,21 @@ def get_logger(name: str | None = None) -> logging.Logger:
     return logger
 
 
-class ProcessOutput:
-    """The lines of one process, on their way to where its `output` says."""
-
-    def __init__(self, process_name: str, config: str | Mapping[str, str | Iterable[str]]) -> None:
-        self._name = process_name
-        self._destinations = _destinations(config)
-
-    def write(self, source: str, line: str) -> None:
-        """Write a line that came from `source`, stdout or stderr."""
-        own, both = self._destinations.get(source, set()), self._destinations.get("both", set())
-        if "screen" in own | both:
-            screen(line)
-        if "log" in own | both:
-            _log("launch.log", f"{time.time():.7f} {line}")
-        if "own_log" in own:
-            _log(f"{self._name}-{source}.log", line)
-        if "own_log" in both:
-            _log(f"{self._name}.log", line)
+def write_line(process_name: str, destinations: Mapping[str, set[str]], source: str, line: str) -> None:
+    """Write a line of a process, which came from `source`, stdout or stderr."""
+    own, both = destinations.get(source, set()), destinations.get("both", set())
+    if "screen" in own | both:
+        screen(line)
+    if "log" in own | both:
+        _log("launch.log", f"{time.time():.7f} {line}")
+    if "own_log" in own:
+        _log(f"{process_name}-{source}.log", line)
+    if "own_log" in both:
+        _log(f"{process_name}.log", line)
 
 
-def _destinations(config: str | Mapping[str, str | Iterable[str]]) -> dict[str, set[str]]:
+def destinations_of(config: str | Mapping[str, str | Iterable[str]]) -> dict[str, set[str]]:
+    """Where the lines of a process go by what its `output` says: source -> destinations. ValueError if it is wrong."""
     if isinstance(config, str):
         if config not in WORDS:
             raise ValueError(f'{config} is not a valid standard output config i.e. "screen", "log" or "both"')

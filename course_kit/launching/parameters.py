@@ -123,12 +123,11 @@ def _uniform(items: list[Any]) -> list[Any]:
     return items
 
 
-def yaml_text(node: str, parameters: Mapping[str, Any]) -> str:
-    """A parameter file for one node, or for all by '/**'."""
+def yaml_text(value: Any, in_one_line: bool) -> str:
+    """A value as YAML, as nodes read it from files or, in one line, from their arguments."""
     import yaml  # type: ignore[import-untyped]
 
-    text: str = yaml.safe_dump({node: {"ros__parameters": dict(parameters)}}, default_flow_style=False)
-    return text
+    return str(yaml.safe_dump(value, default_flow_style=in_one_line)).removesuffix("...\n")
 
 
 def parameter_list(parameters: Any) -> list[Mapping[Any, Any] | ParameterFile]:

@@ -145,7 +145,7 @@ class ExecuteProcess(Action):
         config = self._output
         if isinstance(config, str) or is_substitution(config):
             config = perform(context, config)
-        self._lines = output.ProcessOutput(self.name, config)
+        self._destinations = output.destinations_of(config)
         self._sigterm_timeout, self._sigkill_timeout = (perform(context, t) for t in self._timeouts)
 
     async def _run(self, context: LaunchContext) -> None:
@@ -199,7 +199,8 @@ class ExecuteProcess(Action):
             context.emit_event_sync(event)
 
     def _on_line(self, source: str, line: str) -> None:
-        self._lines.write(source, self._output_format.format(line=line, this=self))
+        line = self._output_format.format(line=line, this=self)
+        output.write_line(self.name, self._destinations, source, line)
 
     def _on_shutdown(self, event: events.Shutdown, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         # After Ctrl-C in a terminal the process has its SIGINT already: the whole process group got it.

@@ -55,7 +55,7 @@ COVERED: dict[str, dict[str, str]] = {
     "launch.some_substitutions_type": {"substitutions": "SomeSubstitutionsType=SomeSubstitutions"},
     "launch.substitution": {"substitutions": "Substitution"},
     "launch.substitutions": {
-        "comparisons": "AndSubstitution EqualsSubstitution NotEqualsSubstitution NotSubstitution OrSubstitution",
+        "conditions": "AndSubstitution EqualsSubstitution NotEqualsSubstitution NotSubstitution OrSubstitution",
         "substitutions": "Command EnvironmentVariable FindExecutable LaunchConfiguration LocalSubstitution "
         "PathJoinSubstitution PythonExpression SubstitutionFailure TextSubstitution ThisLaunchFile ThisLaunchFileDir",
     },

@@ -68,15 +68,12 @@ def as_text(value: Any) -> Any:
     return value if isinstance(value, (str, Substitution, os.PathLike, list, tuple)) else str(value)
 
 
-TRUE, FALSE = ("true", "1"), ("false", "0")
-
-
 def as_bool(text: str) -> bool:
     """The truth of a text, as conditions read it. ValueError for one that says neither."""
-    word = text.strip().lower()
-    if word not in TRUE + FALSE:
+    truth = {"true": True, "1": True, "false": False, "0": False}.get(text.strip().lower())
+    if truth is None:
         raise ValueError(f"Expected 'true', 'false', '1' or '0', got '{text}'")
-    return word in TRUE
+    return truth
 
 
 class Composed(Substitution):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -41,7 +41,7 @@ class Package:
     maintainer: str
     email: str
     license: str
-    dependencies: tuple[str, ...] = ()
+    dependencies: Sequence[str] = ()
     node: str | None = None
     library: str | None = None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from argparse import Namespace
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -92,34 +93,22 @@ def _package(args: Namespace, session: Session) -> Any:
     """The package that the arguments describe."""
     from course_kit.ros2.pkg.create import Package
 
-    name = args.package_name
-    for given in filter(None, (name, args.node_name, args.library_name)):
+    for given in filter(None, (args.name, args.node, args.library)):
         if given != os.path.basename(given) or given in (os.curdir, os.pardir):
             raise CommandError(f"'{given}' cannot be the name of a folder or file")
-    if args.build_type == "ament_python" and name == "test":
+    if args.build_type == "ament_python" and args.name == "test":
         raise CommandError(
             "Aborted since 'ament_python' packages can't be named 'test'. Please choose a different package name."
         )
-    if not name:
+    if not args.name:
         raise CommandError("a package needs a name")
-    node = args.node_name
-    if node and node == args.library_name:
-        node += "_node"
+    if args.node and args.node == args.library:
+        args.node += "_node"
         session.warn("[WARNING] node name can not be equal to the library name")
-        session.warn(f"[WARNING] renaming node to {node}")
-    maintainer = args.maintainer_name or _user()
-    return Package(
-        name=name,
-        build_type=args.build_type,
-        format=args.package_format,
-        description=args.description,
-        maintainer=maintainer,
-        email=args.maintainer_email or _email() or f"{maintainer}@todo.todo",
-        license=args.license,
-        dependencies=tuple(args.dependencies),
-        node=node,
-        library=args.library_name,
-    )
+        session.warn(f"[WARNING] renaming node to {args.node}")
+    args.maintainer = args.maintainer or _user()
+    args.email = args.email or _email() or f"{args.maintainer}@todo.todo"
+    return Package(**{field.name: getattr(args, field.name) for field in fields(Package)})
 
 
 def _user() -> str:
@@ -148,8 +137,10 @@ VERBS = {
     "create": Verb(
         "make the folders and files of a new package",
         _create,
-        argument("package_name", "the name of the package"),
-        argument("--package-format --package_format", "of package.xml", type=int, default=3, choices=[2, 3]),
+        argument("name", "the name of the package", metavar="package_name"),
+        argument(
+            "--package-format --package_format", "of package.xml", dest="format", type=int, default=3, choices=[2, 3]
+        ),
         argument("--description", "for package.xml", default="TODO: Package description"),
         argument(
             "--license",
@@ -161,10 +152,10 @@ VERBS = {
             "--build-type", "how it is built", default="ament_cmake", choices=["cmake", "ament_cmake", "ament_python"]
         ),
         argument("--dependencies", "packages that it needs", nargs="+", default=[]),
-        argument("--maintainer-email", "the maintainer's address"),
-        argument("--maintainer-name", "the maintainer's name"),
-        argument("--node-name", "make an executable of that name"),
-        argument("--library-name", "make a library of that name"),
+        argument("--maintainer-email", "the maintainer's address", dest="email"),
+        argument("--maintainer-name", "the maintainer's name", dest="maintainer"),
+        argument("--node-name", "make an executable of that name", dest="node"),
+        argument("--library-name", "make a library of that name", dest="library"),
     ),
     "executables": Verb(
         "list the executables of all packages, or of one",
