@@ -89,10 +89,8 @@ def one_of(*arguments: Arguments) -> Arguments:
 
 def yaml_values(name: str, example: str) -> Arguments:
     """What a message is filled in with."""
-    return one_of(
-        argument(name, f"the fields that are to be set, as YAML: '{example}'", nargs="?", default="{}"),
-        flag("--stdin", "read them from the standard input"),
-    )
+    about = f"fields to set, as YAML, such as '{example}'; a time may be now, a header auto"
+    return one_of(argument(name, about, nargs="?", default="{}"), flag("--stdin", "read them from the standard input"))
 
 
 def duration(parser: Any) -> None:
@@ -104,6 +102,6 @@ def duration(parser: Any) -> None:
 # The options of verbs that have a node of their own, and of those that read the graph.
 NODE = all_of(
     argument("--spin-time", "look for others for so many seconds; without it until all are known", type=float),
-    flag("-s --use-sim-time", "go by the time on /clock"),
+    flag("-s --use-sim-time", "take the time from /clock"),
 )
 GRAPH = all_of(NODE, flag("--no-daemon", "accepted: there is no daemon here"))
