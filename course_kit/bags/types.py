@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
 
+from course_kit.interface_types import nested_type
+
 SEPARATOR = "=" * 80
-PRIMITIVES = {"bool", "byte", "char", "float32", "float64", "string", "wstring"} | {
-    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
-}
-_FIELD = re.compile(r"\s*([A-Za-z][\w/]*)[<\[=\w\]\s]")
 
 
 def definition(type_name: str) -> str:
@@ -27,7 +24,8 @@ def definition(type_name: str) -> str:
             texts[name] = _file(name, "msg", ".msg").read_text(encoding="utf-8")
         except OSError:
             return ""
-        waiting += _parts(texts[name], name.split("/")[0])
+        package, lines = name.split("/")[0], texts[name].splitlines()
+        waiting += [_short(part) for line in lines if (part := nested_type(line.strip(), package))]
     (_, first), *others = texts.items()
     return "".join([first, *(f"\n{SEPARATOR}\nMSG: {name}\n{text}" for name, text in others)])
 
@@ -53,14 +51,3 @@ def _file(type_name: str, folder: str, ending: str) -> Path:
         return Path(get_package_share_directory(package), folder, name + ending)
     except (PackageNotFoundError, ValueError):
         raise FileNotFoundError(f"package {package!r} is not installed") from None
-
-
-def _parts(text: str, package: str) -> list[str]:
-    """The types, no primitive ones, that the fields of a definition have."""
-    found = []
-    for line in text.splitlines():
-        field = _FIELD.match(line.split("#", 1)[0] + " ")
-        if field is None or field[1] in PRIMITIVES:
-            continue
-        found.append(field[1] if "/" in field[1] else f"{package}/{field[1]}")
-    return [_short(name) for name in found]

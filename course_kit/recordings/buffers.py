@@ -51,12 +51,14 @@ class _Chunk:
         self.count = count + 1
         return True
 
-    def seal(self) -> None:
-        """Nothing more comes: give back the unused part of the index. (That of the arena was never touched.)"""
+    def seal(self) -> int:
+        """Nothing more comes: give back the unused index (the unused arena was never touched); how many bytes."""
+        before = self.nbytes
         self.ends, self.receive_ns = self.ends[: self.count].copy(), self.receive_ns[: self.count].copy()
         self._ends, self._receive = _view(self.ends), _view(self.receive_ns)
         self.nbytes = self.fill + self.count * INDEX_BYTES
         self.is_full = True
+        return before - self.nbytes
 
 
 class Serialised:
@@ -191,7 +193,8 @@ class MessageBuffer:
         needed = arena_bytes + messages * INDEX_BYTES
         if needed > self._max_bytes:  # it would not fit even alone
             return
-        self._seal_last(channel)
+        if channel.chunks:
+            self._nbytes -= channel.chunks[-1].seal()
         self._free_not_kept(channel)
         while self._nbytes + needed > self._max_bytes:
             self._free_oldest()
@@ -199,13 +202,6 @@ class MessageBuffer:
         chunk.append(message, receive_ns)
         channel.chunks.append(chunk)
         self._nbytes += chunk.nbytes
-
-    def _seal_last(self, channel: _Channel) -> None:
-        if channel.chunks:
-            last = channel.chunks[-1]
-            self._nbytes -= last.nbytes
-            last.seal()
-            self._nbytes += last.nbytes
 
     def _free_not_kept(self, channel: _Channel) -> None:
         """Free the chunks that lie wholly before the last `keep` messages."""

@@ -122,14 +122,9 @@ def interfaces(node: Node, of: NodeName, with_hidden: bool = False) -> Interface
 
 def action_clients_and_servers(node: Node, action: str) -> tuple[list[tuple[str, list[str]]], ...]:
     """The nodes that use an action and those that offer it, each as (full name, types), sorted."""
-    clients, servers = [], []
-    for name in nodes(node, with_hidden=True):
-        offered = interfaces(node, name, with_hidden=True)
-        if action in offered.action_clients:
-            clients.append((name.full_name, offered.action_clients[action]))
-        if action in offered.action_servers:
-            servers.append((name.full_name, offered.action_servers[action]))
-    return clients, servers
+    found = [(name.full_name, interfaces(node, name, with_hidden=True)) for name in nodes(node, with_hidden=True)]
+    clients = [(name, one.action_clients[action]) for name, one in found if action in one.action_clients]
+    return clients, [(name, one.action_servers[action]) for name, one in found if action in one.action_servers]
 
 
 def snapshot(node: Node, hidden: bool = False, services: bool = False, actions: bool = True) -> Snapshot:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -93,32 +94,28 @@ def _grid(message: Any, label: str) -> Layer:
     return at_origin.placed(_of_pose(info.origin), frame)
 
 
-def _poses(read: Callable[[Any], Iterable[Any]]) -> Callable[[Any, str], Layer]:
-    def layer(message: Any, label: str) -> Layer:
-        poses = _stack(read(message))
-        return Layer(label, message.header.frame_id, "poses", poses[:, :3, 3], poses)
-
-    return layer
+def _poses(read: Callable[[Any], Iterable[Any]], message: Any, label: str) -> Layer:
+    poses = _stack(read(message))
+    return Layer(label, message.header.frame_id, "poses", poses[:, :3, 3], poses)
 
 
-def _points(read: Callable[[Any], Iterable[Any]]) -> Callable[[Any, str], Layer]:
-    def layer(message: Any, label: str) -> Layer:
-        points = np.array([(p.x, p.y, p.z) for p in read(message)], np.float64).reshape(-1, 3)
-        return Layer(label, message.header.frame_id, "points", points)
-
-    return layer
+def _points(read: Callable[[Any], Iterable[Any]], message: Any, label: str) -> Layer:
+    points = np.array([(p.x, p.y, p.z) for p in read(message)], np.float64).reshape(-1, 3)
+    return Layer(label, message.header.frame_id, "points", points)
 
 
 READERS: dict[str, Callable[[Any, str], Layer]] = {
     "sensor_msgs/msg/LaserScan": _scan,
     "nav_msgs/msg/Path": _path,
     "nav_msgs/msg/OccupancyGrid": _grid,
-    "geometry_msgs/msg/PoseArray": _poses(lambda message: message.poses),
-    "geometry_msgs/msg/PoseStamped": _poses(lambda message: [message.pose]),
-    "geometry_msgs/msg/PoseWithCovarianceStamped": _poses(lambda message: [message.pose.pose]),
-    "nav_msgs/msg/Odometry": _poses(lambda message: [message.pose.pose]),
-    "geometry_msgs/msg/PointStamped": _points(lambda message: [message.point]),
-    "geometry_msgs/msg/PolygonStamped": _points(lambda message: [*message.polygon.points, *message.polygon.points[:1]]),
+    "geometry_msgs/msg/PoseArray": partial(_poses, lambda message: message.poses),
+    "geometry_msgs/msg/PoseStamped": partial(_poses, lambda message: [message.pose]),
+    "geometry_msgs/msg/PoseWithCovarianceStamped": partial(_poses, lambda message: [message.pose.pose]),
+    "nav_msgs/msg/Odometry": partial(_poses, lambda message: [message.pose.pose]),
+    "geometry_msgs/msg/PointStamped": partial(_points, lambda message: [message.point]),
+    "geometry_msgs/msg/PolygonStamped": partial(
+        _points, lambda message: [*message.polygon.points, *message.polygon.points[:1]]
+    ),
 }
 TRANSFORMS = ("geometry_msgs/msg/TransformStamped", "tf2_msgs/msg/TFMessage")
 

@@ -12,10 +12,10 @@ import re
 import textwrap
 from collections.abc import Callable, Collection, Iterator
 
+from course_kit.interface_types import nested_type
+
 SEPARATOR = "---"
 KINDS = ("msg", "srv", "action")
-NUMBERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)) | {"float32", "float64"}
-PRIMITIVES = NUMBERS | {"bool", "byte", "char", "string", "wstring", "time", "duration"}
 _UNIT = re.compile(r"\s*\[[^,\]]+\]")  # a unit in brackets, which rosidl takes out of a comment
 NEAR = 0.6  # how alike a name and its suggestion are, of 1
 
@@ -60,17 +60,6 @@ def _meaning(comment: str) -> str:
     words = comment.lstrip("#")
     units = _UNIT.findall(words)
     return words.replace(units[0], "") if len(units) == 1 else words
-
-
-def nested_type(text: str, package: str) -> str | None:
-    """The type of a line's field, if it is a message itself: 'std_msgs/msg/Header'."""
-    kind, _, rest = text.replace("\t", " ").split("#")[0].partition(" ")
-    name = re.sub(r"\[[^\]]*\]$", "", kind)
-    if not rest.strip() or "=" in rest or re.sub("<=.*", "", name) in PRIMITIVES:
-        return None
-    parts = name.split("/") if "/" in name else [package, name]
-    is_type = len(parts) == 2 and all(part.isidentifier() for part in parts)
-    return "/msg/".join(parts) if is_type else None
 
 
 def near_type(name: str, known: Collection[str]) -> str | None:
