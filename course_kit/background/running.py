@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import difflib
-import itertools
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -231,7 +230,7 @@ def running(*classes: Callable[..., Node], **kwargs: Any) -> Iterator[Any]:
     """Run nodes for the length of a `with` block; gives the node, or a tuple of them if there are several."""
     started: list[Node] = []
     try:
-        started.extend(itertools.chain(run(one, **kwargs) for one in classes))
+        started.extend(run(one, **kwargs) for one in classes)
         yield started[0] if len(started) == 1 else tuple(started)
     finally:
         for node in reversed(started):

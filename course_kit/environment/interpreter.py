@@ -16,7 +16,7 @@ import subprocess
 import sys
 import sysconfig
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from course_kit.environment.activation import RosInstallation, sourced_ros
@@ -93,12 +93,12 @@ def this_environment() -> Interpreter:
     installed = {re.sub("[-_.]+", "-", d.metadata["Name"]).lower(): d.version for d in distributions()}
     wanted = _applicable(pins.requirements(with_ros=sourced_ros(os.environ) is None))
     spec = importlib.util.find_spec("rclpy")
-    facts = asdict(this_interpreter()) | {
-        "distributions": installed,
-        "unmet": [f"{name}=={version}" for name, version in wanted if installed.get(name) != version],
-        "rclpy": str(Path(spec.origin).parent) if spec and spec.origin else "",
-    }
-    return Interpreter(**facts)
+    return replace(
+        this_interpreter(),
+        distributions=installed,
+        unmet=[f"{name}=={version}" for name, version in wanted if installed.get(name) != version],
+        rclpy=str(Path(spec.origin).parent) if spec and spec.origin else "",
+    )
 
 
 def _applicable(requirements: Sequence[str]) -> list[tuple[str, str]]:

@@ -54,14 +54,11 @@ class GraphView(Life, VBox):
 
     def _update(self, now: Snapshot) -> None:
         """Draw if anything that can be seen has changed."""
-        if now == self._shown:
-            self._say("")
-            return
-        plot = draw_graph(now)
-        picture, size = plot._repr_png_()
-        with self._image.hold_trait_notifications():
-            self._image.value, self._image.width = picture, str(size["width"])
-        self._shown, self.drawn = now, self.drawn + 1
+        if now != self._shown:
+            picture, size = draw_graph(now)._repr_png_()
+            with self._image.hold_trait_notifications():
+                self._image.value, self._image.width = picture, str(size["width"])
+            self._shown, self.drawn = now, self.drawn + 1
         self._say("")
 
     def _say(self, text: str) -> None:

@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 KEPT = 200
 
@@ -40,13 +41,10 @@ class CallbackError:
 
     def same_place(self, other: CallbackError) -> bool:
         """Whether the same line of the same node raised the same type again."""
-        if self.node != other.node or type(self.exception) is not type(other.exception):
-            return False
-        mine, others = self.frames, other.frames
-        return bool(mine and others) and (mine[-1].filename, mine[-1].lineno) == (
-            others[-1].filename,
-            others[-1].lineno,
-        )
+        return self._place() == other._place()
+
+    def _place(self) -> tuple[Any, ...]:
+        return self.node, type(self.exception), [(f.filename, f.lineno) for f in self.frames[-1:]]
 
 
 PLUMBING = (Path(__file__).parent, Path(__file__).parents[1] / "background")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 from PIL import Image
@@ -37,10 +38,10 @@ class TurtleSim(Node):
         self._retired: dict[str, TurtleInterface] = {}
         self._destroyed = False
         self._tick_lock = threading.RLock()  # destroy_node() may be called while another thread ticks
-        self.create_service(Empty, "clear", self._on_clear)
-        self.create_service(Empty, "reset", self._on_reset)
+        self.create_service(Empty, "clear", self.serving(lambda _: self.world.clear()))
+        self.create_service(Empty, "reset", self.serving(lambda _: self.world.reset(time.monotonic_ns())))
         self.create_service(Spawn, "spawn", self._on_spawn)
-        self.create_service(Kill, "kill", self._on_kill)
+        self.create_service(Kill, "kill", self.serving(lambda request: self.world.kill(request.name)))
         self._follow_world()
         self.settle()
         # Steady, so that neither a changed system time nor use_sim_time stops the turtles. rcl's timers do
@@ -64,6 +65,17 @@ class TurtleSim(Node):
                 self.get_logger().error(text)
         for interface in (*self._interfaces.values(), *self._retired.values()):
             interface.settle()
+
+    def serving(self, change: Callable[[Any], object]) -> Callable[[Any, Any], Any]:
+        """The callback of a service that changes the world by what is asked and answers nothing."""
+
+        def serve(request: Any, response: Any) -> Any:
+            change(request)
+            self._follow_world()
+            self.settle()
+            return response
+
+        return serve
 
     def destroy_node(self) -> None:
         """Take the node and all its turtles out of the graph; running goals are aborted."""
@@ -107,23 +119,6 @@ class TurtleSim(Node):
             if back is not None:
                 back.revive()
             self._interfaces[name] = back or TurtleInterface(self, name)
-
-    def _on_clear(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
-        self.world.clear()
-        self.settle()
-        return response
-
-    def _on_reset(self, _: Empty.Request, response: Empty.Response) -> Empty.Response:
-        self.world.reset(time.monotonic_ns())
-        self._follow_world()
-        self.settle()
-        return response
-
-    def _on_kill(self, request: Kill.Request, response: Kill.Response) -> Kill.Response:
-        self.world.kill(request.name)
-        self._follow_world()
-        self.settle()
-        return response
 
     def _on_spawn(self, request: Spawn.Request, response: Spawn.Response) -> Spawn.Response:
         if request.name and not _VALID_NAME.fullmatch(request.name):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from geometry_msgs.msg import Twist
@@ -84,16 +85,17 @@ class TurtleInterface:
     # Its entities and their callbacks.
 
     def _create_topics_and_services(self) -> None:
-        node, name = self._node, self._name
+        node, name, world = self._node, self._name, self._world
         self._publishers.append(node.create_publisher(Pose, f"{name}/pose", QOS))
         self._publishers.append(node.create_publisher(Color, f"{name}/color_sensor", QOS))
         self._subscriptions.append(node.create_subscription(Twist, f"{name}/cmd_vel", self._on_cmd_vel, QOS))
-        for kind, service, callback in (
-            (SetPen, "set_pen", self._on_set_pen),
-            (TeleportAbsolute, "teleport_absolute", self._on_teleport_absolute),
-            (TeleportRelative, "teleport_relative", self._on_teleport_relative),
-        ):
-            self._services.append(node.create_service(kind, f"{name}/{service}", callback))
+        changes: dict[str, tuple[Any, Callable[[Any], None]]] = {
+            "set_pen": (SetPen, lambda r: world.set_pen(name, (r.r, r.g, r.b), r.width, off=bool(r.off))),
+            "teleport_absolute": (TeleportAbsolute, lambda r: world.teleport_absolute(name, r.x, r.y, r.theta)),
+            "teleport_relative": (TeleportRelative, lambda r: world.teleport_relative(name, r.linear, r.angular)),
+        }
+        for service, (kind, change) in changes.items():
+            self._services.append(node.create_service(kind, f"{name}/{service}", node.serving(change)))
 
     def _destroy_topics_and_services(self) -> None:
         for entities, destroy in (
@@ -108,22 +110,3 @@ class TurtleInterface:
         sideways = twist.linear.y if self._node.get_parameter("holonomic").value else 0.0
         self._world.command(self._name, twist.linear.x, sideways, twist.angular.z, time.monotonic_ns())
         self._node.settle()
-
-    def _on_set_pen(self, request: SetPen.Request, response: SetPen.Response) -> SetPen.Response:
-        color = (request.r, request.g, request.b)
-        self._world.set_pen(self._name, color, request.width, off=bool(request.off))
-        return response
-
-    def _on_teleport_absolute(
-        self, request: TeleportAbsolute.Request, response: TeleportAbsolute.Response
-    ) -> TeleportAbsolute.Response:
-        self._world.teleport_absolute(self._name, request.x, request.y, request.theta)
-        self._node.settle()
-        return response
-
-    def _on_teleport_relative(
-        self, request: TeleportRelative.Request, response: TeleportRelative.Response
-    ) -> TeleportRelative.Response:
-        self._world.teleport_relative(self._name, request.linear, request.angular)
-        self._node.settle()
-        return response
