@@ -143,14 +143,14 @@ def _dump(args: Namespace, session: Session) -> None:
 
 
 def nested(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """{'a.b': 1} as {'a': {'b': 1}}: how a parameter file writes names with dots."""
+    """{'a.b': 1} as {'a': {'b': 1}}: how a parameter file writes names with dots, unless there is an 'a' before."""
     tree: dict[str, Any] = {}
     for name, value in parameters.items():
-        *groups, last = name.split(".")
-        branch = tree
-        for group in groups:
-            branch = branch.setdefault(group, {})
-        branch[last] = value
+        branch, rest = tree, name
+        while "." in rest and isinstance(branch.setdefault(rest.split(".")[0], {}), dict):
+            group, _, rest = rest.partition(".")
+            branch = branch[group]
+        branch[rest] = value
     return tree
 
 

@@ -1,0 +1,80 @@
+"""`ros2 param`: parameters that are dumped, loaded, described and deleted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rclpy.node import Node
+
+from course_kit.background.running import run, stop
+from tests.ros2_command import ros2
+
+pytestmark = pytest.mark.usefixtures("fresh_domain")
+
+
+class Robot(Node):
+    """Has a parameter whose name is the beginning of another one's, and one that may be deleted."""
+
+    def __init__(self) -> None:
+        super().__init__("robot")
+        limits = FloatingPointRange(from_value=0.1, to_value=0.9)
+        self.declare_parameter("wheel", 4)
+        self.declare_parameter("wheel.radius", 0.2, ParameterDescriptor(floating_point_range=[limits]))
+        self.declare_parameter("arm.joints", ["shoulder", "elbow"])
+        self.declare_parameter("spare", True, ParameterDescriptor(dynamic_typing=True))
+
+
+@pytest.fixture
+def robot(fresh_domain: Any) -> Iterator[Node]:
+    node = run(Robot)
+    yield node
+    stop(node)
+
+
+def test_parameters_are_dumped_and_loaded(robot: Node, tmp_path: Path) -> None:
+    dumped = ros2("param", "dump", "/robot")
+    parameters = yaml.safe_load(dumped.out)["/robot"]["ros__parameters"]
+    assert (parameters["wheel"], parameters["wheel.radius"]) == (4, 0.2)
+    assert parameters["arm"] == {"joints": ["shoulder", "elbow"]}
+    file = tmp_path / "robot.yaml"
+    file.write_text(yaml.dump({"/robot": {"ros__parameters": {"wheel": 6, "wheel.radius": 0.4, "spare": 1}}}))
+    loaded = ros2("param", "load", "/robot", str(file))
+    assert loaded.out == "".join(f"Set parameter {name} successful\n" for name in ("spare", "wheel", "wheel.radius"))
+    assert robot.get_parameter("wheel.radius").value == 0.4
+    file.write_text(yaml.dump({"/robot": {"ros__parameters": {"wheel.radius": 2.0}}}))
+    refused = ros2("param", "load", "/robot", str(file))
+    assert (refused.out, refused.status) == ("", 0)
+    assert refused.err.startswith("Set parameter wheel.radius failed: ")
+
+
+def test_what_cannot_be_loaded_is_said_in_a_line(robot: Node, tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    for text, error in (
+        (None, f"No such file or directory: '{file}'\n"),
+        ("{a: 1", f"{file} is no YAML: while parsing"),
+        ("{/other: {ros__parameters: {a: 1}}}", "Param file does not contain parameters for /robot,"),
+    ):
+        if text is not None:
+            file.write_text(text)
+        outcome = ros2("param", "load", "/robot", str(file))
+        assert (outcome.out, outcome.status, outcome.err.count("\n")) == ("", 1, 1)
+        assert outcome.err.startswith(error)
+
+
+def test_parameters_are_described_and_deleted(robot: Node) -> None:
+    assert ros2("param", "describe", "/robot", "wheel.radius", "spare").out == (
+        "Parameter name: wheel.radius\n  Type: double\n  Constraints:\n    Min value: 0.1\n    Max value: 0.9\n"
+        "Parameter name: spare\n  Type: boolean\n  Constraints:\n"
+    )
+    assert ros2("param", "delete", "/robot", "spare").out == "Deleted parameter successfully\n"
+    refused = ros2("param", "delete", "/robot", "wheel")
+    assert (refused.out, refused.status) == ("", 0)
+    assert refused.err.startswith("Deleting parameter failed: ")
+    names = ros2("param", "list", "/robot", "--filter", "^w", "--param-type").out
+    assert names == "  wheel (type: integer)\n  wheel.radius (type: double)\n"
+    assert ros2("param", "list", "/robot", "--filter", "(").err.startswith("Invalid regular expression '(': ")
