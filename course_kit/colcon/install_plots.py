@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 
 from course_kit.colcon.workspaces import Workspace
 from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot
@@ -87,13 +88,9 @@ def plot_install(workspace: Workspace, package: str) -> Plot:
 
 def _places(texts: Sequence[str]) -> dict[str, float]:
     """Each text once, in the middle of the rows that have it; where rows of two texts mix, apart from each other."""
-    rows: dict[str, list[int]] = {}
-    for number, text in enumerate(texts):
-        if text:
-            rows.setdefault(text, []).append(number)
+    middles = {text: fmean(row for row, other in enumerate(texts) if other == text) for text in texts if text}
     places: dict[str, float] = {}
-    for text, numbers in sorted(rows.items(), key=lambda item: sum(item[1]) / len(item[1])):
-        middle = sum(numbers) / len(numbers)
+    for text, middle in sorted(middles.items(), key=lambda item: item[1]):
         places[text] = max([middle, *(place + 1.0 for place in places.values())])
     return places
 

@@ -68,18 +68,16 @@ def _load(libraries: Iterable[Path]) -> None:
     """Load libraries that need each other, in whichever order works. OSError if one needs what is not there."""
     pending = [library for library in libraries if library not in _loaded]
     while pending:
-        failed: list[Path] = []
-        problem: OSError | None = None
+        failed: dict[Path, OSError] = {}
         for library in pending:
             try:
                 ctypes.CDLL(str(library))
                 _loaded[library] = _version(library)
             except OSError as error:
-                failed.append(library)
-                problem = error
-        if problem is not None and len(failed) == len(pending):
-            raise problem
-        pending = failed
+                failed[library] = error
+        if len(failed) == len(pending):
+            raise failed[pending[-1]]
+        pending = list(failed)
 
 
 def _version(library: Path) -> tuple[int, int]:

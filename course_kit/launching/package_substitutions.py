@@ -10,21 +10,6 @@ from course_kit.launching.substitutions import Composed, SomeSubstitutions, Subs
 from course_kit.programs import packages
 
 
-class PackageNotFoundError(KeyError):
-    """No prefix has the package; prints as the one of ament_index_python does, in quotes."""
-
-    def __init__(self, name: str) -> None:
-        super().__init__(f"package '{name}' not found, searching: {[str(p) for p in packages.prefixes()]}")
-
-
-def package_prefix(name: str) -> str:
-    """The prefix of a package. PackageNotFoundError if there is none."""
-    try:
-        return packages.package_prefix(name)
-    except LookupError:
-        raise PackageNotFoundError(name) from None
-
-
 class FindPackage(Composed):
     """A folder of a package."""
 
@@ -44,15 +29,13 @@ class FindPackage(Composed):
 class FindPackagePrefix(FindPackage):
     """The prefix of a package."""
 
-    find = staticmethod(package_prefix)
+    find = staticmethod(packages.package_prefix)
 
 
 class FindPackageShare(FindPackage):
     """The share directory of a package."""
 
-    def find(self, name: str) -> str:
-        """The share directory of the package of that name."""
-        return os.path.join(package_prefix(name), "share", name)
+    find = staticmethod(packages.share_directory)
 
 
 class ExecutableInPackage(Composed):
@@ -64,7 +47,7 @@ class ExecutableInPackage(Composed):
         super().__init__(executable=executable, package=package)
 
     def _text(self, context: LaunchContext, executable: str, package: str) -> str:
-        prefix = package_prefix(package)
+        prefix = packages.package_prefix(package)
         folder = os.path.join(prefix, "lib", package)
         if not os.path.exists(folder):
             raise SubstitutionFailure(

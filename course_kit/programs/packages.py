@@ -8,6 +8,13 @@ from pathlib import Path
 INDEX = Path("share/ament_index/resource_index/packages")
 
 
+class PackageNotFoundError(KeyError):
+    """No prefix has the package; prints as the one of ament_index_python does, in quotes."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"package '{name}' not found, searching: {[str(p) for p in prefixes()]}")
+
+
 def prefixes() -> list[Path]:
     """The folders of AMENT_PREFIX_PATH that exist; of two with the same package the first one counts."""
     entries = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
@@ -25,21 +32,21 @@ def package_names() -> list[str]:
 
 
 def package_prefix(name: str) -> str:
-    """The prefix that a package is installed to. LookupError if no prefix has it."""
+    """The prefix that a package is installed to. PackageNotFoundError if no prefix has it."""
     if name and name == os.path.basename(name):
         for prefix in prefixes():
             if (prefix / INDEX / name).is_file():
                 return str(prefix)
-    raise LookupError(f"package {name!r} is in none of: {', '.join(map(str, prefixes())) or 'AMENT_PREFIX_PATH'}")
+    raise PackageNotFoundError(name)
 
 
 def share_directory(name: str) -> str:
-    """The folder share/<package> of a package. LookupError if there is no such package."""
+    """The folder share/<package> of a package. PackageNotFoundError if there is no such package."""
     return os.path.join(package_prefix(name), "share", name)
 
 
 def executables(name: str) -> list[Path]:
-    """What `ros2 run` can start of a package: executable files below lib/<package>. LookupError as above."""
+    """What `ros2 run` can start of a package: executable files below lib/<package>. PackageNotFoundError as above."""
     found: list[Path] = []
     for folder, subfolders, files in os.walk(os.path.join(package_prefix(name), "lib", name)):
         subfolders[:] = sorted(f for f in subfolders if not f.startswith("."))

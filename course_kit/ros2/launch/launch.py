@@ -86,15 +86,13 @@ def _hand_over(command_line: list[str]) -> NoReturn:
 def find_launch_file(args: Namespace) -> tuple[str, list[str]]:
     """The launch file that is meant and the arguments for it. CommandError if it is not there."""
     name, file_name, given = args.package_name, args.launch_file_name, args.launch_arguments
-    is_package = _share(name) is not None
-    if file_name is None or (not is_package and os.path.exists(name)):
-        if not os.path.isfile(name):
-            raise CommandError("No launch file supplied", _file_hint(name, is_package))
-        return name, [*([] if file_name is None else [file_name]), *given]
     share = _share(name)
+    if file_name is None or (share is None and os.path.exists(name)):
+        if not os.path.isfile(name):
+            raise CommandError("No launch file supplied", _file_hint(name, share is not None))
+        return name, [*([] if file_name is None else [file_name]), *given]
     if share is None:
-        searched = [str(prefix) for prefix in packages.prefixes()]
-        reason = f"\"package '{name}' not found, searching: {searched}\""
+        reason = packages.PackageNotFoundError(name)
         raise CommandError(f"Package '{name}' not found: {reason}", did_you_mean(name, packages.package_names()))
     found = [path for path in _files(share) if os.path.basename(path) == file_name]
     if not found:
