@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
-
 from course_kit.interface_types import nested_type
+from course_kit.programs.packages import share_directory
 
 SEPARATOR = "=" * 80
 
@@ -22,7 +21,7 @@ def definition(type_name: str) -> str:
             continue
         try:
             texts[name] = _file(name, "msg", ".msg").read_text(encoding="utf-8")
-        except OSError:
+        except (OSError, LookupError):
             return ""
         package, lines = name.split("/")[0], texts[name].splitlines()
         waiting += [_short(part) for line in lines if (part := nested_type(line.strip(), package))]
@@ -34,7 +33,7 @@ def type_hash(type_name: str) -> str:
     """The hash (RIHS01_…) of a type, '' if its package does not tell it."""
     try:
         described = json.loads(_file(type_name, type_name.split("/")[1], ".json").read_text(encoding="utf-8"))
-    except (OSError, ValueError, IndexError):
+    except (OSError, ValueError, LookupError):
         return ""
     hashes = {entry.get("type_name"): entry.get("hash_string") for entry in described.get("type_hashes", ())}
     return str(hashes.get(type_name) or "")
@@ -47,7 +46,4 @@ def _short(type_name: str) -> str:
 
 def _file(type_name: str, folder: str, ending: str) -> Path:
     package, name = type_name.split("/")[0], type_name.rsplit("/", 1)[-1]
-    try:
-        return Path(get_package_share_directory(package), folder, name + ending)
-    except (PackageNotFoundError, ValueError):
-        raise FileNotFoundError(f"package {package!r} is not installed") from None
+    return Path(share_directory(package), folder, name + ending)

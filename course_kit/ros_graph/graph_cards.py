@@ -112,20 +112,18 @@ def _channel_card(channel: Channel, split: list[Part], group: str, detailed: boo
     reasons = [f"✗ {line}" for line in explanations(channel, split)]
     name = _relative(channel.name, group)
     note = _missing_side(channel)
+    is_unheard = bool(channel.sources) and channel.kind == "topic"
     texts: list[Text] = []
     cuts, y = [], 0.0
     for n, part in enumerate(split):
         top = y = y + (APART if n > 1 else 0.0)
         kind = part.type if detailed else part.type.rpartition("/")[2]
+        rows = [(name, NAME, "name")]
         if detailed:
-            rows = [(name, NAME, "name"), (kind, SMALL, "detail")]
-            rows += [(line, SMALL, "detail") for line in (_qos_lines(part) if channel.kind == "topic" else ())]
-        else:
-            rows = [(name, NAME, "name")]
-        if note and n == 0 and (detailed or not channel.sources or not channel.sinks):
-            rows += [(note, SMALL, "detail" if channel.sources and channel.kind == "topic" else "trouble")]
-        if not detailed and note and channel.sources and channel.kind == "topic":
-            rows = rows[:1]  # nobody listens: the end of the line says it
+            lines = [kind, *(_qos_lines(part) if channel.kind == "topic" else ())]
+            rows += [(line, SMALL, "detail") for line in lines]
+        if note and n == 0 and (detailed or not is_unheard):  # that nobody listens the end of the line says too
+            rows.append((note, SMALL, "detail" if is_unheard else "trouble"))
         written, y = _rows(rows, y + PAD_Y)
         if not detailed:
             first = written[0]

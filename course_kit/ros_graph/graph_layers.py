@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass, field
 
 ROW_GAP = 0.11  # inches between two boxes of a column
@@ -64,12 +64,9 @@ def find_levels(boxes: dict[str, Box], lines: list[Line], max_levels: int) -> di
         if node not in heard and forward[node]:
             levels[node] = min(levels[other] for other in forward[node]) - 1
     while (deepest := max(levels.values(), default=0)) >= max_levels:  # fold where the fewest lines are turned back
-        steps = [0] * deepest
-        for node, others in forward.items():
-            for other in others:
-                if levels[other] == levels[node] + 1:
-                    steps[levels[node]] += 1
-        fold = steps.index(min(steps))
+        ahead = ((levels[node], levels[other]) for node, others in forward.items() for other in others)
+        steps = Counter(level for level, of_other in ahead if of_other == level + 1)
+        fold = min(range(deepest), key=steps.__getitem__)
         levels = {node: level - (level > fold) for node, level in levels.items()}
     return levels
 
@@ -88,22 +85,15 @@ def _successors(boxes: dict[str, Box], lines: list[Line]) -> dict[str, set[str]]
 
 def _feedback_order(after: dict[str, set[str]]) -> list[str]:
     """An order of the nodes in which few point backward (the heuristic of Eades, Lin and Smyth)."""
-    before: dict[str, set[str]] = {node: set() for node in after}
-    for node, others in after.items():
-        for other in others:
-            before[other].add(node)
+    before = {node: {other for other in after if node in after[other]} for node in after}
     left, first, last = dict.fromkeys(sorted(after)), [], []
-
-    def degree(neighbours: set[str]) -> int:
-        return sum(1 for other in neighbours if other in left)
-
     while left:
-        if sinks := [node for node in left if not degree(after[node])]:
+        if sinks := [node for node in left if not after[node] & left.keys()]:
             last += sinks
-        elif sinks := [node for node in left if not degree(before[node])]:
+        elif sinks := [node for node in left if not before[node] & left.keys()]:
             first += sinks
         else:
-            sinks = [max(left, key=lambda node: degree(after[node]) - degree(before[node]))]
+            sinks = [max(left, key=lambda node: len(after[node] & left.keys()) - len(before[node] & left.keys()))]
             first += sinks
         for node in sinks:
             del left[node]

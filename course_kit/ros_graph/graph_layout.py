@@ -93,10 +93,8 @@ def _chains(boxes: dict[str, Box], lines: list[Line]) -> Chains:
 
 
 def _columns(boxes: dict[str, Box]) -> list[list[Box]]:
-    columns: list[list[Box]] = [[] for _ in range(max((box.layer for box in boxes.values()), default=-1) + 1)]
-    for box in boxes.values():
-        columns[box.layer].append(box)
-    return columns
+    last = max((box.layer for box in boxes.values()), default=-1)
+    return [[box for box in boxes.values() if box.layer == layer] for layer in range(last + 1)]
 
 
 Neighbours = dict[str, list[tuple[str, int]]]
@@ -161,15 +159,13 @@ def _place_rows(
     y = 0.0
     for group in groups:
         full = max(sum(b.height + ROW_GAP for b in column if b.group == group) - ROW_GAP for column in columns)
+        title, pad = (TITLE, LANE_PAD) if group in titles else (0.0, 0.0)
+        inner[group] = y + title, y + title + full
         if group in titles:
-            inner[group] = y + TITLE, y + TITLE + full
-            bands[group] = y, y + TITLE + full + LANE_PAD
-            y += TITLE + full + LANE_PAD + LANE_GAP
-        else:
-            inner[group] = y, y + full
-            y += full + LANE_GAP
-    stacks = [[b for b in column if b.group == group] for column in columns for group in groups]
-    stacks = [stack for stack in stacks if stack]
+            bands[group] = y, y + title + full + pad
+        y += title + full + pad + LANE_GAP
+    by_group = ([b for b in column if b.group == group] for column in columns for group in groups)
+    stacks = [stack for stack in by_group if stack]
     for stack in stacks:
         top, bottom = inner[stack[0].group]
         full = sum(b.height + ROW_GAP for b in stack) - ROW_GAP
@@ -183,10 +179,7 @@ def _place_rows(
 
 def _settle(stack: list[Box], wanted: list[float], top: float, bottom: float) -> None:
     """Place a stack as near to the wanted heights as its order and the bounds allow (isotonic regression)."""
-    offsets, offset = [], 0.0
-    for box in stack:
-        offsets.append(offset)
-        offset += box.height + ROW_GAP
+    *offsets, end = itertools.accumulate((box.height + ROW_GAP for box in stack), initial=0.0)
     blocks: list[list[float]] = []  # mean, weight, members
     for want, before, box in zip(wanted, offsets, stack, strict=True):
         weight = 4.0 if box.is_line else 1.0  # a bend in a passing line is more of a nuisance
@@ -196,7 +189,7 @@ def _settle(stack: list[Box], wanted: list[float], top: float, bottom: float) ->
             m0, w0, c0 = blocks[-1]
             blocks[-1] = [(m0 * w0 + mean * w) / (w0 + w), w0 + w, c0 + count]
     means = [mean for mean, _, count in blocks for _ in range(int(count))]
-    highest = bottom - (offset - ROW_GAP)
+    highest = bottom - (end - ROW_GAP)
     for box, mean, before in zip(stack, means, offsets, strict=True):
         box.y = min(max(mean, top), highest) + before
 
