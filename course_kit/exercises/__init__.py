@@ -24,8 +24,7 @@ CHAPTERS = {
 MODULES = {
     "setup": ("setup_checks",),
     "workspace": ("workspace", "workspace_patrol"),
-    "actions": ("actions", "actions_star"),
-    "debugging": ("debugging", "debugging_mileage", "debugging_monitor"),
+    "debugging": ("debugging", "debugging_nodes"),
 }
 
 

@@ -1,4 +1,4 @@
-"""Chapter 6's exercises but two: what each asks of seeing, measuring and repairing, and how it is checked."""
+"""Chapter 6's exercises on what runs and what was recorded: what each asks, and how it is checked."""
 
 from __future__ import annotations
 
@@ -8,29 +8,15 @@ from typing import Any
 
 from rcl_interfaces.msg import Log, LoggerLevel
 from rcl_interfaces.srv import SetLoggerLevels
-from rclpy.qos import qos_profile_sensor_data
-from sensor_msgs.msg import LaserScan
-from std_msgs.msg import Bool
 from turtlesim.msg import Pose
 
 from course_kit import bags
 from course_kit.examining import paths
 from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
-from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import answer, expect, expect_value, parts, pause, require, wait
+from course_kit.examining.vocabulary import expect, expect_value, parts, pause, require, wait
 from course_kit.examining.vocabulary_services import Client
 from course_kit.examining.vocabulary_student import expect_running_node
-from course_kit.examining.vocabulary_topics import (
-    expect_compatible_subscription,
-    expect_rate,
-    expect_subscription,
-    expect_topic,
-    listen,
-    publish_steadily,
-    publisher,
-    values,
-)
 from course_kit.faults import all_faults
 from course_kit.faults.vocabulary import expect_well
 
@@ -125,45 +111,6 @@ def _set_level(level: int) -> bool:
     client = Client(SET_LEVELS, SetLoggerLevels, current().student)
     response = client.ask(levels=[LoggerLevel(name="quiet", level=level)]).response
     return response is not None and all(result.successful for result in response.results)
-
-
-@exercise("debugging-3", "A watchdog", points=3, minutes=12, level="medium", timeout=20, node_class="Watchdog")
-def watchdog() -> None:
-    """It says five times a second whether a scan has come in the last half second."""
-    laser = publisher(SCANS, LaserScan, qos_profile_sensor_data)
-    answer()
-    expect_subscription(SCANS, LaserScan)
-    expect_topic("/scan_alive", Bool)
-    alive = listen("/scan_alive", Bool)
-    pause(1.5)
-    expect(
-        "without a scan it says false",
-        values(alive, "data") and not any(values(alive, "data")),
-        f"{_said(alive)} Nothing had come yet: begin with no time at all, or one long ago.",
-    )
-    expect_compatible_subscription(SCANS, laser)
-    publish_steadily(laser, [LaserScan(ranges=[1.0])] * 20, period=0.1)
-    with_scans = values(alive, "data")[-5:]
-    began = time.time_ns()
-    wait(lambda: _false_times(alive, began), 2.0)
-    delay = next((when - began for when in _false_times(alive, began)), 0) * 1e-9
-    expect(
-        "it says true while scans come, and false half a second after the last",
-        all(with_scans) and with_scans and 0.2 <= delay <= 1.1,
-        f"While scans came, ten a second, it said {with_scans}, and false "
-        f"{f'{delay:.1f} s after' if delay else 'not within 2 s of'} the last one: keep the time of each scan, and "
-        f"compare it with the present time in the timer's callback, not in that of the scan.",
-    )
-    expect_rate(alive, 5.0, within=0.15)
-
-
-def _said(heard: Heard) -> str:
-    said = values(heard, "data")
-    return f"It said {said[-5:]}." if said else "It said nothing."
-
-
-def _false_times(heard: Heard, since: int) -> list[int]:
-    return [when for when, message in heard.arrivals if when >= since and not message.data]
 
 
 @exercise("debugging-4", "A bag of a circle", points=2, minutes=10, level="medium", timeout=20, value=True)
