@@ -38,14 +38,12 @@ class CheckerProcess:
 
     def __init__(self) -> None:
         ours, theirs = socket.socketpair()
-        command = [sys.executable, "-m", MODULE, str(theirs.fileno())]
-        try:
+        with theirs:
+            command = [sys.executable, "-m", MODULE, str(theirs.fileno())]
             # In the root folder, where no file of the student's can be taken for a module.
             self.process = Process(
                 command, "checker", _own_environment(), folder=Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
             )
-        finally:
-            theirs.close()
         self.process.begin()
         self._lines = Lines(ours)
 

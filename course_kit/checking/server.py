@@ -98,14 +98,8 @@ class Checker:
         finally:
             examination.begin(None)
             self._tidy(running)
-        return Verdict(
-            exercise.name,
-            exercise.title,
-            exercise.points,
-            state,
-            tuple(running.findings) if state == LOOKED_AT else (),
-            note,
-        )
+        findings = tuple(running.findings) if state == LOOKED_AT else ()
+        return Verdict(exercise.name, exercise.title, exercise.points, state, findings, note)
 
     def _tidy(self, running: Examination) -> None:
         for end in reversed(running.ending):
@@ -130,12 +124,8 @@ class Checker:
         if exercise.node not in self.student.their_nodes():
             return False
         if exercise.node_class:
-            running.judge(
-                f"there is a class `{exercise.node_class}`",
-                False,
-                f"A node {exercise.node} runs, but this notebook has no class `{exercise.node_class}`. "
-                f"The exercise asks for that name.",
-            )
+            hint = f"A node {exercise.node} runs, but this notebook has no class `{exercise.node_class}`. "
+            running.judge(f"there is a class `{exercise.node_class}`", False, f"{hint}The exercise asks for that name.")
         return True
 
     def _provide_types(self, running: Examination) -> None:
@@ -174,7 +164,7 @@ class Checker:
 
 def _says_something(value: Any) -> bool:
     """Whether a value is more than the None, or the tuple of them, of an untouched answer cell."""
-    return any(one is not None for one in value) if isinstance(value, list) and value else value is not None
+    return any(part is not None for part in value) if isinstance(value, list) and value else value is not None
 
 
 def _what_to_do(exercise: Exercise) -> str:

@@ -23,9 +23,9 @@ EVERY_NODES = "/get_parameter_types"
 def meet(station: Station, offering: str = "") -> None:
     """Wait until their nodes, or those that offer a service or an action, have found all that the checker made."""
     servers = [
-        one.service_servers
-        for one in station.offered()
-        if not offering or offering in one.service_servers or offering in one.action_servers
+        node.service_servers
+        for node in station.offered()
+        if not offering or offering in node.service_servers or offering in node.action_servers
     ]
     for service in [each for each in chain(*servers) if each.endswith(EVERY_NODES)]:
         introduce(station, service, GetParameterTypes)

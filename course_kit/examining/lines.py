@@ -82,11 +82,11 @@ def as_json(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else str(value)
     if isinstance(value, dict):
-        return {str(key): as_json(one) for key, one in value.items()}
+        return {str(key): as_json(each) for key, each in value.items()}
     if isinstance(value, set | frozenset):
-        return sorted((as_json(one) for one in value), key=str)
+        return sorted((as_json(each) for each in value), key=str)
     if isinstance(value, list | tuple):
-        return [as_json(one) for one in value]
+        return [as_json(each) for each in value]
     if hasattr(value, "get_fields_and_field_types"):
         return {name: as_json(getattr(value, name)) for name in value.get_fields_and_field_types()}
     if hasattr(value, "tolist"):  # numpy's and the standard library's arrays

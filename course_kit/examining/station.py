@@ -134,11 +134,11 @@ class Station:
 
     def offered(self) -> list[graph.Interfaces]:
         """What each of their nodes offers and uses."""
-        found = []
+        offers = []
         for name in self.their_nodes():
             with contextlib.suppress(Exception):  # it has gone meanwhile
-                found.append(graph.interfaces(self.node, graph.NodeName.of(name)))
-        return found
+                offers.append(graph.interfaces(self.node, graph.NodeName.of(name)))
+        return offers
 
     # What lasts as long as a check.
 

@@ -76,9 +76,7 @@ class Goal:
     def cancel(self, timeout: float) -> None:
         """If it was accepted, ask the server to cancel it, and wait for what it says to that and for the result."""
         if self.accepted:
-            answers: list[Any] = []
-            self.handle.cancel_goal_async().add_done_callback(answers.append)
-            wait(lambda: answers, ANSWER_TIMEOUT, "the answer to a request to cancel")
+            wait(self.handle.cancel_goal_async().done, ANSWER_TIMEOUT, "the answer to a request to cancel")
             self.wait(timeout)
 
 
@@ -97,10 +95,9 @@ class Client:
     def send(self, **fields: Any) -> Goal:
         """Send a goal and wait until it is accepted or rejected."""
         goal = Goal(self._heard)
-        answers: list[Any] = []
-        self._client.send_goal_async(self._type.Goal(**fields)).add_done_callback(answers.append)
-        if wait(lambda: answers, ANSWER_TIMEOUT, "the answer to a goal"):
-            goal.handle = answers[0].result()
+        future = self._client.send_goal_async(self._type.Goal(**fields))
+        if wait(future.done, ANSWER_TIMEOUT, "the answer to a goal"):
+            goal.handle = future.result()
             goal.accepted = bool(goal.handle.accepted)
             if goal.accepted:
                 goal.handle.get_result_async().add_done_callback(goal.note_result)

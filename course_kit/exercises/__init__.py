@@ -32,19 +32,19 @@ def of_chapter(chapter: str) -> list[Exercise]:
     """The exercises of a chapter, in order."""
     for module in MODULES.get(chapter, (chapter,)):
         importlib.import_module(f"{__name__}.{module}")
-    found = [one for one in DECLARED.values() if one.chapter == chapter]
-    return sorted(found, key=lambda one: int(one.name.rsplit("-", 1)[1]))
+    declared = [exercise for exercise in DECLARED.values() if exercise.chapter == chapter]
+    return sorted(declared, key=lambda exercise: int(exercise.name.rsplit("-", 1)[1]))
 
 
 def every() -> list[Exercise]:
     """All exercises of the course, in order."""
-    return [one for chapter in CHAPTERS for one in of_chapter(chapter)]
+    return [exercise for chapter in CHAPTERS for exercise in of_chapter(chapter)]
 
 
 def find(name: str) -> Exercise:
     """The exercise of that name. ValueError if there is none, with what may have been meant."""
     chapter = name.rsplit("-", 1)[0]
-    names = [one.name for one in (of_chapter(chapter) if chapter in CHAPTERS else every())]
+    names = [exercise.name for exercise in (of_chapter(chapter) if chapter in CHAPTERS else every())]
     if name in names:
         return DECLARED[name]
     near = difflib.get_close_matches(name, names, n=1)

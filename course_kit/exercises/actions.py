@@ -66,13 +66,13 @@ def countdown_server() -> None:
     goal.wait(4.0)
     pause(0.2)  # feedback and result take different ways
     down = list(range(5, -1, -1))
-    told = [list(one.sequence) for one in goal.feedback]
+    numbers = [list(message.sequence) for message in goal.feedback]
     period = goal.period
     expect(
         "the feedback is 5, 4, … 0, ten a second",
-        told == [[number] for number in down] and 0.07 < period < 0.14,
-        f"The feedback was {told}, {period:.2f} s apart: each is a sequence of one number, every 0.1 s, and after the "
-        f"goal has ended there is none.",
+        numbers == [[number] for number in down] and 0.07 < period < 0.14,
+        f"The feedback was {numbers}, {period:.2f} s apart: each is a sequence of one number, every 0.1 s, and after "
+        f"the goal has ended there is none.",
     )
     result = list(goal.result.sequence) if goal.result is not None else None
     expect(
@@ -200,7 +200,7 @@ def star_server() -> None:
         f"It missed a corner by {apart:.2f} m, and drove {paths.length(poses):.1f} m in place of {5 * SIDE:g}: at each "
         "point of a star the turtle turns by 144°, twice the angle of a pentagon.",
     )
-    left = [one.distance_left for one in goal.feedback]
+    left = [message.distance_left for message in goal.feedback]
     expect(
         "the feedback is the metres left",
         len(left) > 10 and 4 * SIDE < left[0] <= 5.2 * SIDE and left[-1] < 0.3 and all(_falls(left)),

@@ -37,14 +37,14 @@ def lamp() -> None:
         require(f"it answers request {number}", said[-1] is not None, no_answer("/lamp"))
     expect(
         "`success` tells whether the request changed the lamp",
-        begins_off and [one.success for one in said] == [True, False, True, False],
-        f"Asked for on, on, off, off it said {[one.success for one in said]}, and `self.is_on` began as "
+        begins_off and [response.success for response in said] == [True, False, True, False],
+        f"Asked for on, on, off, off it said {[response.success for response in said]}, and `self.is_on` began as "
         f"{'False' if begins_off else 'something else than False'}: compare request.data with self.is_on "
         f"before you set it.",
     )
     expect(
         "`message` and `self.is_on` tell the state afterwards",
-        [one.message for one in said] == ["on", "on", "off", "off"] and read("is_on") is False,
+        [response.message for response in said] == ["on", "on", "off", "off"] and read("is_on") is False,
         f"Asked for on, on, off, off its messages were {', '.join(repr(one.message) for one in said)}: "
         f"set self.is_on first, then the message.",
     )
@@ -154,17 +154,17 @@ def parallel_server() -> None:
     answers, longest = [], 9.9
     for _ in range(3):  # a busy machine may be late once
         tried = client.ask_all(3.0, requests)
-        if max(one.seconds for one in tried) < longest:
-            answers, longest = tried, max(one.seconds for one in tried)
+        if max(each.seconds for each in tried) < longest:
+            answers, longest = tried, max(each.seconds for each in tried)
         if longest <= 0.6:
             break
-    sums = [None if one.response is None else one.response.sum for one in answers]
+    sums = [None if each.response is None else each.response.sum for each in answers]
     expect(
         "the sums are right",
         single.response.sum == 3 and sums == [10, 11, 12],
         f"1 + 2 gave {single.response.sum}, and 0 + 10, 1 + 10, 2 + 10 gave {sums}.",
     )
-    shortest = min(single.seconds, *(one.seconds for one in answers))
+    shortest = min(single.seconds, *(each.seconds for each in answers))
     expect(
         "one answer takes 0.3 s",
         shortest >= 0.28,

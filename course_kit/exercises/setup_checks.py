@@ -28,19 +28,17 @@ GREETING = "Nice to meet you, "
 def read_the_report(value: Any) -> None:
     """The number of the domain, and the word for the discovery range."""
     domain, reach = parts(value, 2)
-    wanted = int(os.environ["ROS_DOMAIN_ID"])
     expect_value(
         "the domain",
         domain,
-        wanted,
+        int(os.environ["ROS_DOMAIN_ID"]),
         "It is a number, without quotes: `os.environ['ROS_DOMAIN_ID']`, or the row *domain* of the report, has it.",
         points=0,
     )
-    word = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     expect_value(
         "the discovery range",
         reach,
-        word,
+        os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
         "It is one word in capitals: `os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE']` has it.",
     )
 
@@ -117,7 +115,7 @@ def corners() -> None:
 def two_robots(value: Any) -> None:
     """The topics of a second simulator, which runs, and whose turtle was driven without the first one's moving."""
     wanted = [f"{SECOND}/{name}" for name in ("cmd_vel", "color_sensor", "pose")]
-    given = sorted(str(one).removesuffix("/") for one in value) if isinstance(value, list) else value
+    given = sorted(str(topic).removesuffix("/") for topic in value) if isinstance(value, list) else value
     expect_value(
         "the topics that came with the second simulator",
         given,

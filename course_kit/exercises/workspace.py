@@ -117,7 +117,7 @@ def rooms() -> None:
     heard = {topic: listen(topic, String) for topic in ("/kitchen/chatter", "/attic/chatter", "/attic/loud")}
     wait(lambda: len(heard["/kitchen/chatter"]) and len(heard["/attic/chatter"]), 12.0, "words in both rooms")
     wait(lambda: len(heard["/attic/loud"]), 4.0, "the words of the attic's loud")
-    said_here = {topic: _words(one) for topic, one in heard.items()}
+    said_here = {topic: _words(said_there) for topic, said_there in heard.items()}
     expect(
         "each room has the words of its argument",
         said_here["/kitchen/chatter"] == {"Soup"} and said_here["/attic/chatter"] == {"Dust"},
@@ -140,7 +140,7 @@ def _words(heard: Heard) -> set[str]:
 
 
 def _listed(words: set[str]) -> str:
-    return ", ".join(f"`{one}`" for one in sorted(words)) or "nothing"
+    return ", ".join(f"`{word}`" for word in sorted(words)) or "nothing"
 
 
 @exercise(

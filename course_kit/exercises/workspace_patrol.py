@@ -88,12 +88,12 @@ def _check_launch() -> None:
         f"In ten seconds they drove {metres()[0]:.1f} m and {metres()[1]:.1f} m. Names of topics without a slash "
         f"at the beginning follow the namespace: `%ros2 topic info /one/turtle1/cmd_vel` shows who is there.",
     )
-    found = {room: get_parameters(f"/{room}/patrol", "side", "speed") for room in ROOMS}
+    actual = {room: get_parameters(f"/{room}/patrol", "side", "speed") for room in ROOMS}
     wanted = {room: _from_file(room) for room in ROOMS}
     expect(
         "each has the values of its YAML file",
-        all(wanted.values()) and found == wanted and found["one"] != found["two"],
-        f"The nodes have [side, speed] {found['one']} and {found['two']}, config/one.yaml and config/two.yaml say "
+        all(wanted.values()) and actual == wanted and actual["one"] != actual["two"],
+        f"The nodes have [side, speed] {actual['one']} and {actual['two']}, config/one.yaml and config/two.yaml say "
         f"{wanted['one']} and {wanted['two']}, and they should differ. A file counts for the nodes that its first "
         f"line names: /**, or the whole name with the namespace.",
     )
@@ -115,7 +115,7 @@ def _leaves(nodes: Any) -> list[dict[str, Any]]:
         return []
     if "ros__parameters" in nodes:
         return [nodes]
-    return [leaf for one in nodes.values() for leaf in _leaves(one)]
+    return [leaf for below in nodes.values() for leaf in _leaves(below)]
 
 
 def _lap(driven: Heard, timeout: float, turn: float = LAP) -> list[Any]:
@@ -144,7 +144,7 @@ def _extent(poses: Sequence[Any]) -> tuple[float, float]:
     """Metres from side to side, along x and along y."""
     if not poses:
         return 0.0, 0.0
-    xs, ys = [one.x for one in poses], [one.y for one in poses]
+    xs, ys = [pose.x for pose in poses], [pose.y for pose in poses]
     return max(xs) - min(xs), max(ys) - min(ys)
 
 
@@ -155,9 +155,9 @@ def _is_square(poses: Sequence[Any], side: float) -> bool:
     """
     near = 0.15 * side + 0.15
     way = paths.length(poses)
-    fourfold = [cmath.exp(4j * one.theta) for one in poses if one.linear_velocity > 0.05]
+    fourfold = [cmath.exp(4j * pose.theta) for pose in poses if pose.linear_velocity > 0.05]
     is_right = bool(fourfold) and abs(sum(fourfold)) / len(fourfold) > 0.7
-    return is_right and all(abs(one - side) < near for one in _extent(poses)) and 3.4 * side < way < 5.8 * side
+    return is_right and all(abs(metres - side) < near for metres in _extent(poses)) and 3.4 * side < way < 5.8 * side
 
 
 def _described(poses: Sequence[Any]) -> str:

@@ -7,7 +7,7 @@ import difflib
 from course_kit.faults import callbacks, connections, starting
 from course_kit.faults.fault import Fault
 
-FAULTS: dict[str, Fault] = {one.id: one for one in (*connections.FAULTS, *callbacks.FAULTS, *starting.FAULTS)}
+FAULTS: dict[str, Fault] = {fault.id: fault for fault in (*connections.FAULTS, *callbacks.FAULTS, *starting.FAULTS)}
 
 # What each seed means, for good: texts, exercises and their answers name seeds. A new fault gets a seed at the end.
 SEEDS = """
@@ -42,4 +42,4 @@ def pick(seed: int) -> Fault:
 
 def options(fault: Fault) -> list[Fault]:
     """What a student chooses the cause from: the true one and those that look alike, sorted by id."""
-    return sorted((fault, *map(find, fault.alike)), key=lambda one: one.id)
+    return sorted((fault, *map(find, fault.alike)), key=lambda option: option.id)

@@ -74,7 +74,7 @@ def symptom() -> Told:
         return Told(NO_FAULT, False)
     if _lab.fault is None:
         return Told(WELL)
-    options = [(one.id, one.cause) for one in all_faults.options(_lab.fault)]
+    options = [(fault.id, fault.cause) for fault in all_faults.options(_lab.fault)]
     causes = textwrap.indent(table(options, left=2), "  ")
     return Told(f"{_lab.fault.symptom}\n\nOne of these is the cause. Which? faults.answer('…')\n{causes}")
 
@@ -150,7 +150,7 @@ def stop() -> None:
 
 def catalogue() -> Told:
     """All causes that the lab knows, by their ids."""
-    rows = [("id", "cause"), *((one.id, one.cause) for one in all_faults.FAULTS.values())]
+    rows = [("id", "cause"), *((fault.id, fault.cause) for fault in all_faults.FAULTS.values())]
     return Told(table(rows, left=2))
 
 

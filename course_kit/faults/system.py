@@ -47,7 +47,7 @@ class System:
 
     def process(self, program: str) -> Process | None:
         """The process that runs a program now, the student's if they have started it again."""
-        named = [one for one in processes.running() if one.name == program]
+        named = [process for process in processes.running() if process.name == program]
         return named[0] if named else self._started[program][1] if program in self._started else None
 
     def start(self, fault: Fault | None) -> None:
@@ -63,7 +63,7 @@ class System:
             self._extra.append(extra)
             wait_until(partial(_is_up, extra, start.program), READY_TIMEOUT)
         last = wanted.pop(PLANNER)  # it is to find the others there
-        self._start_all([one for program, one in wanted.items() if one and program not in stay])
+        self._start_all([start for program, start in wanted.items() if start and program not in stay])
         self._start_all([last] if last else [])
         self._wait_for_planner(fault.says if fault else DRIVES)
         if fault and fault.killed:
@@ -129,8 +129,8 @@ class System:
     def stop(self, except_for: Iterable[str] = ()) -> None:
         """End its programs, also those that the student has started in their place."""
         stay = set(except_for)
-        ending = [one for one in processes.running() if _is_of_robot(one) and one.name not in stay] + self._extra
-        processes.stop_all(PATIENCE, ending)
+        ending = [process for process in processes.running() if _is_of_robot(process) and process.name not in stay]
+        processes.stop_all(PATIENCE, ending + self._extra)
         self._extra.clear()
         self._started = {program: pair for program, pair in self._started.items() if program in stay}
         if not stay:
