@@ -27,7 +27,7 @@ from course_kit.spinning.context import RANGE
 
 START_TIMEOUT = 15.0  # seconds that programs have until their nodes are there
 LONGEST_START = 45.0  # the same as long as they still begin, on a busy machine
-LOOKS = 20  # at whether a program wants to run, 50 ms apart
+SAMPLES = 20  # of whether a program wants to run, 50 ms apart
 STOP_PATIENCE = 2.0
 
 
@@ -162,16 +162,16 @@ def _still_begins(process: Process) -> bool:
 
     On a machine with enough to do for other processes, loading takes long.
     """
-    times = 0
+    busy = 0
     try:
         root = psutil.Process(process.pid)
         tree = [root, *root.children(recursive=True)]
     except psutil.Error:  # it has ended
         return False
-    for _ in range(LOOKS):
-        times += any(_wants_to_run(program) for program in tree)
+    for _ in range(SAMPLES):
+        busy += any(_wants_to_run(program) for program in tree)
         pause(0.05)
-    return times > LOOKS / 2
+    return busy > SAMPLES / 2
 
 
 def _wants_to_run(program: psutil.Process) -> bool:
