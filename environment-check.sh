@@ -57,9 +57,9 @@ candidates() {
 }
 
 # Sets `python` to the first that set-up can use. Fails if there is none: `advice` says what to install, and
-# `python` is the one that came closest, or empty.
+# `python` is the one that came closest, which can run the checks, or empty.
 choose_python() {
-    local candidate lacks status
+    local candidate lacks status lacking=''
     python='' advice="No Python here fits${PYTHON:+ (PYTHON=$PYTHON)}. $python_needed Install one: $apt_python"
     while IFS= read -r candidate; do
         status=0
@@ -67,9 +67,11 @@ choose_python() {
         if ((status == 0)) || { ((status == 4)) && can_do_without "$lacks"; }; then
             python=$candidate
             return
-        elif ((status == 4)) && [[ -z $python ]]; then
-            python=$candidate
+        elif ((status == 4)) && [[ -z $lacking ]]; then
+            python=$candidate lacking=$lacks
             advice="$python lacks what set-up needs. Install it: sudo apt-get install -y $lacks"
+        elif ((status == 3)) && [[ -z $python ]]; then
+            python=$candidate
         fi
     done < <(candidates)
     return 1
@@ -86,18 +88,6 @@ own_uv() {
     [[ $(printf '%s\n' "$uv_version" "$version" | sort -V | head -n 1) == "$uv_version" ]] && printf '%s\n' "$found"
 }
 
-# Sets `python` to one that can run the checks, fit for the course or not.
-any_python() {
-    local candidate
-    while IFS= read -r candidate; do
-        if "$candidate" -ESB -c 'import sys; sys.exit(sys.version_info < (3, 10))' 2> /dev/null; then
-            python=$candidate
-            return
-        fi
-    done < <(candidates)
-    return 1
-}
-
 # ---- Checking
 
 check() {
@@ -106,7 +96,7 @@ check() {
     state=$(venv_state)
     case $state in
         ready | foreign) python=$venv/bin/python ;;
-        *) choose_python || [[ -n $python ]] || any_python || no_python "$@" ;;
+        *) choose_python || [[ -n $python ]] || no_python "$@" ;;
     esac
     exec "$python" -ESB -m course_kit.environment "$@" "$state"
 }

@@ -7,6 +7,7 @@ to an action client is not lost when it is faster than the cell that asked.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -52,26 +53,19 @@ def _init(plain: Callable[..., None]) -> Callable[..., None]:
 
 
 def _spin(node: Node, executor: Executor | None = None) -> None:
-    chosen = executor or rclpy.get_global_executor()
-    try:
-        chosen.add_node(node)
-        while chosen.context.ok():
-            chosen.spin_once(timeout_sec=SLICE)
-    finally:
-        chosen.remove_node(node)
+    _spin_until_future_complete(node, Future(), executor)
 
 
 def _spin_until_future_complete(
     node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
 ) -> None:
     chosen = executor or rclpy.get_global_executor()
-    forever = timeout_sec is None or timeout_sec < 0
-    deadline = time.monotonic() + (0.0 if timeout_sec is None else timeout_sec)
+    deadline = math.inf if timeout_sec is None or timeout_sec < 0 else time.monotonic() + timeout_sec
     future.add_done_callback(lambda _: chosen.wake())
     try:
         chosen.add_node(node)
         while chosen.context.ok() and not (future.done() or future.cancelled()):
-            left = SLICE if forever else min(SLICE, deadline - time.monotonic())
+            left = min(SLICE, deadline - time.monotonic())
             if left < 0:
                 break
             chosen.spin_once(timeout_sec=left)

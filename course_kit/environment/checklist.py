@@ -32,7 +32,7 @@ class Subject:
 def of_this_python(environ: Mapping[str, str] = os.environ) -> list[Check]:
     """The checks of the environment that this Python runs in: a notebook's kernel."""
     state = stamp.FOREIGN  # whoever made it: this Python runs in it, so it is what counts
-    return run(Subject(environ, probe(sys.executable, environ, installed=True), state, ready=True))
+    return run(Subject(environ, probe(sys.executable, environ), state, ready=True))
 
 
 def of_project(environ: Mapping[str, str], state: str) -> list[Check]:
@@ -41,7 +41,7 @@ def of_project(environ: Mapping[str, str], state: str) -> list[Check]:
     if state not in stamp.USABLE:
         return run(Subject(environ, this_interpreter(), state, ready=False))
     try:
-        found = probe(venv_python, environ, installed=True)
+        found = probe(venv_python, environ)
     except (OSError, ValueError):  # somebody removed part of it
         found = replace(this_interpreter(), path=venv_python, prefix=str(stamp.ROOT / ".venv"))
     return run(Subject(environ, found, state, ready=True))

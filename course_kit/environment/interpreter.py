@@ -2,8 +2,8 @@
 
 environment-check.sh runs this file with each Python it finds, so it must not need anything newer than 3.10:
 
-    python -m course_kit.environment.interpreter    exit status 0: fit; 3: another version is needed;
-                                                    4: the packages printed have to be installed first
+    python -m course_kit.environment.interpreter    exit status 0: fit; 3: another version is needed, but
+                                                    the checks run; 4: the packages printed have to be installed first
 """
 
 from __future__ import annotations
@@ -60,11 +60,9 @@ def interfaces_to_compile(ros: RosInstallation | None) -> list[str]:
     return [name for name in names if ros is None or not ros.has_package(name)]
 
 
-def lacking(version: Sequence[int], has_venv: bool, has_headers: bool, compiles: bool) -> list[str]:
-    """The apt packages that this Python needs before the course can be set up."""
-    name = f"python{version[0]}.{version[1]}"
-    needs = {f"{name}-venv": not has_venv, f"{name}-dev": compiles and not has_headers}
-    return [package for package, needed in needs.items() if needed]
+def apt_package(version: Sequence[int], part: str) -> str:
+    """The apt package with a part of a Python that Debian ships apart: venv, dev."""
+    return f"python{version[0]}.{version[1]}-{part}"
 
 
 def has_module(name: str) -> bool:
@@ -113,11 +111,10 @@ def _applicable(requirements: Sequence[str]) -> list[tuple[str, str]]:
     ]
 
 
-def probe(python: str, environ: Mapping[str, str], installed: bool) -> Interpreter:
-    """Ask another Python; `installed` also for its packages. OSError or ValueError if it does not answer."""
-    module = ["-m", "course_kit.environment.interpreter", "--json"]
+def probe(python: str, environ: Mapping[str, str]) -> Interpreter:
+    """Ask the Python of an environment. OSError or ValueError if it does not answer."""
     answer = subprocess.run(
-        [python, "-B", *module, "--installed"] if installed else [python, "-ESB", *module],
+        [python, "-B", "-m", "course_kit.environment.interpreter", "--json"],
         cwd=INTERFACES.parents[1],
         env=dict(environ),
         capture_output=True,
@@ -135,15 +132,14 @@ def probe(python: str, environ: Mapping[str, str], installed: bool) -> Interpret
 def main(arguments: Sequence[str]) -> int:
     """What the script asks of an interpreter."""
     if "--json" in arguments:
-        found = this_environment() if "--installed" in arguments else this_interpreter()
-        print(json.dumps(asdict(found)))
+        print(json.dumps(asdict(this_environment())))
         return 0
     ros, python = sourced_ros(os.environ), this_interpreter()
     if not supported(python.version, ros):
-        return WRONG_VERSION
-    packages = lacking(python.version, python.has_venv, python.has_headers, bool(interfaces_to_compile(ros)))
-    print(*packages)
-    return LACKS_PACKAGES if packages else 0
+        return WRONG_VERSION if python.version >= OLDEST else 1
+    has = {"venv": python.has_venv, "dev": python.has_headers or not interfaces_to_compile(ros)}
+    print(*(apt_package(python.version, part) for part in has if not has[part]))
+    return 0 if all(has.values()) else LACKS_PACKAGES
 
 
 if __name__ == "__main__":

@@ -14,8 +14,8 @@ from course_kit.environment.interpreter import (
     NEWEST,
     OLDEST,
     Interpreter,
+    apt_package,
     interfaces_to_compile,
-    lacking,
     supported,
 )
 from course_kit.environment.report import Check, fail, passed, warn
@@ -84,8 +84,8 @@ def venv_module(python: Interpreter, ready: bool) -> Check:
     """Debian and Ubuntu ship the venv module as a package of its own."""
     if ready or python.has_venv:
         return passed("not needed any more" if ready else "there")
-    packages = lacking(python.version, has_venv=False, has_headers=True, compiles=False)
-    return fail("missing", "set-up makes the environment with it", f"sudo apt-get install -y {' '.join(packages)}")
+    cure = f"sudo apt-get install -y {apt_package(python.version, 'venv')}"
+    return fail("missing", "set-up makes the environment with it", cure)
 
 
 def conda(environ: Mapping[str, str]) -> Check:
@@ -125,8 +125,7 @@ def compiler(environ: Mapping[str, str], python: Interpreter, ros: RosInstallati
     chapter = "the packages that you build in chapter 2 need it; the other chapters do not"
     if not python.has_headers:
         report, reason = (fail, f"set-up compiles {' and '.join(packages)} for Python") if packages else (warn, chapter)
-        needed = lacking(python.version, has_venv=True, has_headers=False, compiles=True)
-        cure = f"sudo apt-get install -y {' '.join(needed)}"
+        cure = f"sudo apt-get install -y {apt_package(python.version, 'dev')}"
         return report(f"Python.h of {python.path} is missing", reason, cure)
     found = of_the_machine(environ)
     if found:

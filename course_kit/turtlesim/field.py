@@ -44,12 +44,10 @@ class Field:
         if clipped is None:
             return
         (x0, y0), (x1, y1) = ((_pixel(x), _pixel(y)) for x, y in clipped)
-        if width > 1:
-            self._draw.line((x0, y0, x1, y1), color, width)
-            self._draw_end(x0, y0, color, width)  # else short steps in a curve leave gaps between them
+        self._draw.line((x0, y0, x1, y1), color, width)
+        if width > 1:  # else short steps in a curve leave gaps between them
+            self._draw_end(x0, y0, color, width)
             self._draw_end(x1, y1, color, width)
-        else:
-            self._draw.line((x0, y0, x1, y1), color)
 
     def color_at(self, point: Point) -> Color:
         """The colour of the pixel at a point of the field (metres); white off a trail."""

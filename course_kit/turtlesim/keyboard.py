@@ -8,7 +8,6 @@ import re
 import select
 import termios
 import tty
-from types import TracebackType
 
 _ARROWS = {b"A": "up", b"B": "down", b"C": "right", b"D": "left"}
 _ESCAPE_SEQUENCE = re.compile(rb"\x1b[\[O]([0-?]*)[ -/]*([@-~])")
@@ -27,12 +26,7 @@ class Keyboard:
         tty.setcbreak(self._terminal)  # no echo, no lines; Ctrl-C still interrupts
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         with contextlib.suppress(termios.error):  # the terminal may be gone
             termios.tcsetattr(self._terminal, termios.TCSADRAIN, self._before)
 
