@@ -114,11 +114,11 @@ def _html_details(check: Check) -> str:
     return f"{detail}<br>{html.escape(check.reason)}<br><code>{html.escape(check.cure)}</code>"
 
 
+@dataclass(repr=False)
 class Report:
     """Checks as a notebook shows them."""
 
-    def __init__(self, checks: Sequence[Check]) -> None:
-        self.checks = list(checks)
+    checks: Sequence[Check]
 
     @property
     def failed(self) -> list[Check]:

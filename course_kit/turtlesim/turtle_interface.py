@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -29,9 +30,7 @@ class TurtleInterface:
         self._world = node.world
         self._name = name
         self._lingers = 0  # ticks left for a killed turtle
-        self._publishers: list[Any] = []
-        self._subscriptions: list[Any] = []
-        self._services: list[Any] = []
+        self._topics_and_services = contextlib.ExitStack()  # which ends them
         self._rotate = RotateServer(node, f"{name}/rotate_absolute", lambda goal: node.world.rotate(name, goal))
         try:
             self._create_topics_and_services()
@@ -43,7 +42,7 @@ class TurtleInterface:
 
     def retire(self) -> None:
         """Take a killed turtle out of the graph; its action goes later, and rejects goals until then."""
-        self._destroy_topics_and_services()
+        self._topics_and_services.close()
         self._rotate.retired = True
         self._lingers = LINGER if self._rotate.used else 0
 
@@ -59,7 +58,7 @@ class TurtleInterface:
 
     def destroy(self) -> None:
         """Take all of it out of the graph at once."""
-        self._destroy_topics_and_services()
+        self._topics_and_services.close()
         self._rotate.destroy()
 
     # Around each tick.
@@ -73,10 +72,9 @@ class TurtleInterface:
         if reading.remaining is not None:
             self._rotate.publish_feedback(reading.remaining)
         x, y, theta, linear, angular = reading.pose
-        pose, color = self._publishers
-        pose.publish(Pose(x=x, y=y, theta=theta, linear_velocity=linear, angular_velocity=angular))
+        self._pose.publish(Pose(x=x, y=y, theta=theta, linear_velocity=linear, angular_velocity=angular))
         red, green, blue = reading.color
-        color.publish(Color(r=red, g=green, b=blue))
+        self._color.publish(Color(r=red, g=green, b=blue))
 
     def settle(self) -> None:
         """Send the results of rotations that have ended."""
@@ -85,26 +83,19 @@ class TurtleInterface:
     # Its entities and their callbacks.
 
     def _create_topics_and_services(self) -> None:
-        node, name, world = self._node, self._name, self._world
-        self._publishers.append(node.create_publisher(Pose, f"{name}/pose", QOS))
-        self._publishers.append(node.create_publisher(Color, f"{name}/color_sensor", QOS))
-        self._subscriptions.append(node.create_subscription(Twist, f"{name}/cmd_vel", self._on_cmd_vel, QOS))
+        node, name, world, at_end = self._node, self._name, self._world, self._topics_and_services.callback
+        self._pose = node.create_publisher(Pose, f"{name}/pose", QOS)
+        at_end(node.destroy_publisher, self._pose)
+        self._color = node.create_publisher(Color, f"{name}/color_sensor", QOS)
+        at_end(node.destroy_publisher, self._color)
+        at_end(node.destroy_subscription, node.create_subscription(Twist, f"{name}/cmd_vel", self._on_cmd_vel, QOS))
         changes: dict[str, tuple[Any, Callable[[Any], None]]] = {
             "set_pen": (SetPen, lambda r: world.set_pen(name, (r.r, r.g, r.b), r.width, off=bool(r.off))),
             "teleport_absolute": (TeleportAbsolute, lambda r: world.teleport_absolute(name, r.x, r.y, r.theta)),
             "teleport_relative": (TeleportRelative, lambda r: world.teleport_relative(name, r.linear, r.angular)),
         }
         for service, (kind, change) in changes.items():
-            self._services.append(node.create_service(kind, f"{name}/{service}", node.serving(change)))
-
-    def _destroy_topics_and_services(self) -> None:
-        for entities, destroy in (
-            (self._publishers, self._node.destroy_publisher),
-            (self._subscriptions, self._node.destroy_subscription),
-            (self._services, self._node.destroy_service),
-        ):
-            while entities:
-                destroy(entities.pop())
+            at_end(node.destroy_service, node.create_service(kind, f"{name}/{service}", node.serving(change)))
 
     def _on_cmd_vel(self, twist: Twist) -> None:
         sideways = twist.linear.y if self._node.get_parameter("holonomic").value else 0.0
