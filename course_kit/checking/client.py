@@ -22,7 +22,6 @@ from course_kit.programs.child_process import Process
 
 START_TIMEOUT = 20.0  # seconds until the checker answers at all
 GRACE = 6.0  # seconds that a check may take more than its exercise says: discovery before, tidying after
-MODULE = "course_kit.checking"
 
 
 class Refused(ValueError):  # noqa: N818  (reads as what happened)
@@ -39,7 +38,7 @@ class CheckerProcess:
     def __init__(self) -> None:
         ours, theirs = socket.socketpair()
         with theirs:
-            command = [sys.executable, "-m", MODULE, str(theirs.fileno())]
+            command = [sys.executable, "-m", "course_kit.checking", str(theirs.fileno())]
             # In the root folder, where no file of the student's can be taken for a module.
             self.process = Process(
                 command, "checker", _own_environment(), folder=Path("/"), in_terminal=False, hand_over=[theirs.fileno()]

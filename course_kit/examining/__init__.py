@@ -1,4 +1,4 @@
-"""What a check of an exercise is made of: stage, station, verdict, and the vocabulary in which it is written.
+"""What a check of an exercise is made of: stations, the answer's host, verdict, and the vocabulary it is written in.
 
 The checker is a process of its own with its own ROS contexts: one in the student's domain, one on the *stage*, a
 domain in which only the student's class and what its exercise is about meet. It looks at nodes from outside, as a

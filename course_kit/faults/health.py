@@ -24,7 +24,6 @@ RATE = 10.0  # Hz, of scans and of commands
 WITHIN = 0.25  # parts of the rate: two seconds on a busy machine
 DISTANCE = 0.5  # metres that a driving turtle makes at least in that time
 LOG_LINES = 40  # in that time
-QUIET = "/rosout"
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ class Watch:
         self._commands = station.listen("/turtle1/cmd_vel", Twist)
         self._poses = station.listen("/turtle1/pose", Pose)
         self._in_map = station.listen("/map_scans", Int32)
-        self._logs = station.listen(QUIET, Log)
+        self._logs = station.listen("/rosout", Log)
 
     @property
     def seconds(self) -> float:
