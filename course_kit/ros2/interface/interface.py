@@ -14,7 +14,7 @@ from course_kit.ros2.completion import offering
 from course_kit.ros2.interface import text
 from course_kit.ros2.interface.text import KINDS
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import Arguments, CommandError, Verb, all_of, argument, did_you_mean, flag, one_of
+from course_kit.ros2.verbs import Arguments, CommandError, Verb, all_of, argument, did_you_mean, failing, flag, one_of
 
 INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")
 HEADINGS = {"msg": "Messages:", "srv": "Services:", "action": "Actions:"}
@@ -126,11 +126,9 @@ def _show(args: Namespace, session: Session) -> None:
         session.print(_definition(args.type).rstrip())
         return
     lines = text.show(args.type, _definition, not args.no_comments, args.all_comments)
-    try:
+    with failing(LookupError):  # a type that a field has, and that is not installed
         for line in lines:
             session.print(line)
-    except LookupError as error:  # a type that a field has, and that is not installed
-        raise CommandError(str(error)) from None
 
 
 def _proto(args: Namespace, session: Session) -> None:
