@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
@@ -322,3 +324,34 @@ def test_what_reading_ahead_raises_comes_out_where_it_is_read() -> None:
     with pytest.raises(RuntimeError, match="broken file"):
         ahead.next(lambda: None)
     ahead.close()
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+@pytest.mark.parametrize("was_closed", [True, False])
+def test_of_a_damaged_bag_one_line_says_that_it_cannot_be_read(tmp_path: Path, storage: str, was_closed: bool) -> None:
+    whole = made_bag(tmp_path / "whole", storage, count=60)
+    (file,) = bag_files.storage_files(whole)
+    data = file.read_bytes()
+    if storage == "mcap" and not was_closed:
+        data = data[: data.index(b"serialized_metadata")]
+    refused = 0
+    for seed in range(60):
+        changed, random = bytearray(data), Random(seed)
+        for _ in range(20):
+            changed[random.randrange(20, len(data))] = random.randrange(256)
+        shutil.rmtree(tmp_path / "bag", ignore_errors=True)
+        (tmp_path / "bag").mkdir()
+        (tmp_path / "bag" / file.name).write_bytes(changed)
+        if was_closed:
+            shutil.copy(whole / "metadata.yaml", tmp_path / "bag")
+        try:
+            with bag_files.opened(tmp_path / "bag") as bag:
+                list(bag.messages(bag.connections))
+        except bags.BagError as error:
+            assert "cannot be read" in str(error)
+            refused += 1
+        try:
+            bags.reindex(tmp_path / "bag")
+        except bags.BagError as error:
+            assert re.search("cannot be (read|completed)", str(error))
+    assert refused > 5

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from course_kit.bags.storage import BagError, open_storage
-from course_kit.internals import NotAsExpected
 
 METADATA = "metadata.yaml"
 STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
@@ -66,6 +65,7 @@ class BagInfo:
 class OpenBag:
     """The topics (rosbags' connections) and messages of a bag while it is open."""
 
+    path: Path
     connections: list[Any]
     start: int
     is_complete: bool
@@ -78,8 +78,8 @@ class OpenBag:
         for reader in self.readers:
             wanted = {c.id: own for c in reader.connections for own in connections if _key(c) == _key(own)}
             there = [c for c in reader.connections if c.id in wanted]
-            if there:
-                for connection, nanoseconds, data in reader.messages(there, start=start):
+            with _telling(self.path):
+                for connection, nanoseconds, data in reader.messages(there, start=start) if there else ():
                     yield wanted[connection.id], nanoseconds, data
 
 
@@ -184,23 +184,32 @@ def _distro(file: Path) -> str:
 @contextlib.contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[OpenBag]:
     """A bag, open for reading. Raises BagError if there is none, or none that can be read."""
-    from rosbags.rosbag2 import Reader, ReaderError
+    from rosbags.rosbag2 import Reader
 
     place = Path(path)
     if not place.exists():
         raise BagError(f"Bag path '{path}' does not exist!")
     with ExitStack() as stack:
-        try:
+        with _telling(place):
             if (place / METADATA).is_file():
                 reader = stack.enter_context(Reader(place))
-                bag = OpenBag(list(reader.connections), reader.start_time, True, [reader])
+                bag = OpenBag(place, list(reader.connections), reader.start_time, True, [reader])
             else:
                 bag = _open_files(place, stack)
-        except (ReaderError, NotAsExpected) as error:
-            raise BagError(f"'{path}' cannot be read as a bag: {error}") from None
-        except OSError as error:
-            raise BagError(f"'{path}' cannot be read: {error.strerror or error}") from None
         yield bag
+
+
+@contextlib.contextmanager
+def _telling(place: Path) -> Iterator[None]:
+    """Say in one line why a bag cannot be read: a damaged one makes rosbags raise whatever its bytes lead to."""
+    try:
+        yield
+    except BagError:
+        raise
+    except OSError as error:
+        raise BagError(f"'{place}' cannot be read: {error.strerror or error}") from None
+    except Exception as error:
+        raise BagError(f"'{place}' cannot be read as a bag: {error}") from None
 
 
 def _open_files(place: Path, stack: ExitStack) -> OpenBag:
@@ -219,4 +228,4 @@ def _open_files(place: Path, stack: ExitStack) -> OpenBag:
         known = merged.get(_key(connection))
         count = connection.msgcount + (known.msgcount if known else 0)
         merged[_key(connection)] = (known or connection)._replace(msgcount=count)
-    return OpenBag(list(merged.values()), min(reader.start_time for reader in readers), is_complete, readers)
+    return OpenBag(place, list(merged.values()), min(reader.start_time for reader in readers), is_complete, readers)

@@ -12,7 +12,6 @@ from course_kit.bags.files import METADATA, STORAGES, is_being_recorded, opened,
 from course_kit.bags.metadata import VERSION, Span, as_yaml, metadata_of, write_metadata
 from course_kit.bags.storage import BagError, open_storage
 from course_kit.bags.writer import announce
-from course_kit.internals import NotAsExpected
 from course_kit.internals.rosbags_parts import McapFile
 
 if TYPE_CHECKING:
@@ -36,7 +35,9 @@ def reindex(folder: str | os.PathLike[str]) -> dict[str, int]:
     for file in files:
         try:
             count = _complete(file)
-        except (OSError, NotAsExpected) as error:
+        except BagError:
+            raise
+        except Exception as error:  # a damaged file makes rosbags raise whatever its bytes lead to
             raise BagError(f"'{file}' cannot be completed: {getattr(error, 'strerror', '') or error}") from None
         if count is not None:
             completed[file.name] = count

@@ -58,14 +58,12 @@ def _play(args: Namespace, session: Session) -> int:
     options.refuse_unsupported(args, UNSUPPORTED)
     wanted = _options(args)
 
-    from rosbags.rosbag2 import ReaderError
-
     from course_kit.bags.files import opened
     from course_kit.bags.storage import BagError
     from course_kit.ros2.bag.keys import keys
 
     has_keys = not (session.in_notebook or args.disable_keyboard_controls)
-    with failing_with(BagError, ReaderError), opened(args.bag_path) as bag, keys(has_keys) as pressed:
+    with failing_with(BagError), opened(args.bag_path) as bag, keys(has_keys) as pressed:
         if not bag.is_complete:
             session.warn(options.unfinished(args.bag_path, sum(c.msgcount for c in bag.connections)))
         return _run(bag, wanted, session, pressed if has_keys else None, args.log_level)
