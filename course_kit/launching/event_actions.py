@@ -60,8 +60,7 @@ class RegisterEventHandler(Action):
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, Iterable[LaunchDescriptionEntity]]]:
         """What the handler leads to."""
-        description, entities = self.event_handler.describe()
-        return [(description, entities)]
+        return [self.event_handler.describe()]
 
 
 class UnregisterEventHandler(Action):

@@ -5,19 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from course_kit.launching import events
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import Action, LaunchDescriptionEntity
-from course_kit.launching.events import (
-    Event,
-    ExecutionComplete,
-    Matcher,
-    ProcessExited,
-    ProcessIO,
-    ProcessStarted,
-    RunningProcessEvent,
-    Shutdown,
-    matches_action,
-)
 
 # Entities, or a function that is called with the event and the context and returns some.
 SomeEntities = LaunchDescriptionEntity | Iterable[LaunchDescriptionEntity] | None
@@ -34,16 +24,16 @@ def as_list(entities: SomeEntities) -> list[LaunchDescriptionEntity]:
 class EventHandler:
     """Gives entities to be visited when an event matches."""
 
-    def __init__(self, *, matcher: Matcher, entities: Response = None, handle_once: bool = False) -> None:
+    def __init__(self, *, matcher: events.Matcher, entities: Response = None, handle_once: bool = False) -> None:
         self._matcher = matcher
         self.entities = entities
         self._handle_once = handle_once
 
-    def matches(self, event: Event) -> bool:
+    def matches(self, event: events.Event) -> bool:
         """Whether it takes the event."""
         return bool(self._matcher(event))
 
-    def handle(self, event: Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    def handle(self, event: events.Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:
         """What is to be visited now."""
         context.extend_locals({"event": event})
         if self._handle_once:
@@ -69,7 +59,7 @@ class _OnAction(EventHandler):
             raise TypeError(f"{type(self).__name__}: target_action must be an action, not {target_action!r}")
         self._target = target_action
         self._word = word
-        is_meant = matches_action(target_action) if isinstance(target_action, Action) else target_action
+        is_meant = events.matches_action(target_action) if isinstance(target_action, Action) else target_action
         super().__init__(
             matcher=lambda event: isinstance(event, event_type) and (is_meant is None or is_meant(event.action)),
             entities=entities,
@@ -84,21 +74,21 @@ class OnProcessStart(_OnAction):
     """When a process has started."""
 
     def __init__(self, *, target_action: Any = None, on_start: Response, handle_once: bool = False) -> None:
-        super().__init__(ProcessStarted, target_action, on_start, handle_once, "on_start")
+        super().__init__(events.ProcessStarted, target_action, on_start, handle_once, "on_start")
 
 
 class OnProcessExit(_OnAction):
     """When a process has ended."""
 
     def __init__(self, *, target_action: Any = None, on_exit: Response, handle_once: bool = False) -> None:
-        super().__init__(ProcessExited, target_action, on_exit, handle_once, "on_exit")
+        super().__init__(events.ProcessExited, target_action, on_exit, handle_once, "on_exit")
 
 
 class OnExecutionComplete(_OnAction):
     """When an action has been executed."""
 
     def __init__(self, *, target_action: Any = None, on_completion: Response, handle_once: bool = False) -> None:
-        super().__init__(ExecutionComplete, target_action, on_completion, handle_once, "on_completion")
+        super().__init__(events.ExecutionComplete, target_action, on_completion, handle_once, "on_completion")
 
 
 class OnProcessIO(_OnAction):
@@ -108,14 +98,14 @@ class OnProcessIO(_OnAction):
         self,
         *,
         target_action: Any = None,
-        on_stdin: Callable[[RunningProcessEvent], SomeEntities] | None = None,
-        on_stdout: Callable[[ProcessIO], SomeEntities] | None = None,
-        on_stderr: Callable[[ProcessIO], SomeEntities] | None = None,
+        on_stdin: Callable[[events.RunningProcessEvent], SomeEntities] | None = None,
+        on_stdout: Callable[[events.ProcessIO], SomeEntities] | None = None,
+        on_stderr: Callable[[events.ProcessIO], SomeEntities] | None = None,
     ) -> None:
         self._by_source = {"stdin": on_stdin, "stdout": on_stdout, "stderr": on_stderr}
-        super().__init__(ProcessIO, target_action, self._respond_to, False, "on_io")
+        super().__init__(events.ProcessIO, target_action, self._respond_to, False, "on_io")
 
-    def _respond_to(self, event: ProcessIO, context: LaunchContext) -> SomeEntities:
+    def _respond_to(self, event: events.ProcessIO, context: LaunchContext) -> SomeEntities:
         response = self._by_source[event.source]
         return None if response is None else response(event)
 
@@ -124,7 +114,7 @@ class OnShutdown(EventHandler):
     """When the launch shuts down."""
 
     def __init__(self, *, on_shutdown: Response, **options: Any) -> None:
-        super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown, **options)
+        super().__init__(matcher=lambda event: isinstance(event, events.Shutdown), entities=on_shutdown, **options)
 
     def _arguments(self, response: object) -> str:
         return f"on_shutdown={response}"

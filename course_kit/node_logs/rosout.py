@@ -131,19 +131,14 @@ def logs(node: str | None = None, level: str = "INFO", last: int = 20, text: str
     only lines that contain it, in small or capital letters.
     """
     lowest = level_number(level)
-    lines = [line for line in _known() if line.level >= lowest and text.lower() in line.text.lower()]
-    if node is not None:
-        lines = [line for line in lines if is_of(line, node)]
-    return LogLines(lines[-last:])
-
-
-def _known() -> list[LogLine]:
-    """All lines that are kept, and the errors of callbacks among them, in the order of their times."""
     collect()
     with _lock:
         lines = list(_lines)
     lines += [LogLine(e.when, 40, e.node, str(e)) for e in errors.errors()]
-    return sorted(lines, key=lambda one: one.when)
+    lines = [line for line in lines if line.level >= lowest and text.lower() in line.text.lower()]
+    if node is not None:
+        lines = [line for line in lines if is_of(line, node)]
+    return LogLines(sorted(lines, key=lambda one: one.when)[-last:])
 
 
 class LogRates(dict[str, tuple[float, dict[str, int]]]):

@@ -37,12 +37,8 @@ def executable(package: str, name: str) -> Path:
 
 
 def _hint(package: str, name: str, names: list[str]) -> str:
-    near = did_you_mean(name, names)
-    if near:
-        return near
-    if names:
-        return f"{package} has: {', '.join(sorted(names))}"
-    return f"{package} has no executables"
+    listed = f"{package} has: {', '.join(sorted(names))}" if names else f"{package} has no executables"
+    return did_you_mean(name, names) or listed
 
 
 def _run(args: Namespace, session: Session) -> int:
