@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from course_kit.examining.node_log import NodeLog
@@ -18,10 +18,10 @@ from course_kit.ros_graph import discovery, graph
 from course_kit.spinning import context as ros_context
 from course_kit.spinning.executors import SpinThread
 from course_kit.spinning.nodes import quiet_node
+from course_kit.watching import topics
 from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 
 Made = TypeVar("Made")
-DEPTH = 10_000
 LOG_PERIOD = 0.2  # seconds between two looks at what was logged
 KEPT = 20_000  # messages of one subscription
 
@@ -122,15 +122,14 @@ class Station:
 
     def publishers(self, topic: str) -> list[Any]:
         """The publishers of a topic that are not the checker's."""
-        return [e for e in graph.publishers(self.node, topic) if self._is_theirs(e)]
+        return [e for e in topics.publishers(self.node, topic) if self._is_theirs(e)]
 
     def subscriptions(self, topic: str) -> list[Any]:
         """The subscriptions to a topic that are not the checker's."""
-        return [e for e in graph.subscriptions(self.node, topic) if self._is_theirs(e)]
+        return [e for e in topics.subscriptions(self.node, topic) if self._is_theirs(e)]
 
     def _is_theirs(self, endpoint: Any) -> bool:
-        name = graph.NodeName(endpoint.node_name, endpoint.node_namespace)
-        return name.full_name not in self.mine and not endpoint.node_name.startswith("_")
+        return topics.node_name(endpoint) not in self.mine and not endpoint.node_name.startswith("_")
 
     def offered(self) -> list[graph.Interfaces]:
         """What each of their nodes offers and uses."""
@@ -147,13 +146,8 @@ class Station:
 
         With `keep` beyond the end of the check.
         """
-        published = graph.publishers(self.node, topic)
-        best_effort = any(p.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for p in published)
-        qos = QoSProfile(
-            depth=DEPTH,
-            reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-            durability=DurabilityPolicy.VOLATILE,
-        )
+        qos = topics.qos_for(topic, topics.publishers(self.node, topic))
+        qos.durability = DurabilityPolicy.VOLATILE
         heard = Heard(message_type, topic)
         heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
         if not keep:
