@@ -154,7 +154,7 @@ class Waiting(Node):
         self.out.publish(pose)
 
 
-def test_async_callbacks_and_best_effort_subscriptions_work(drive: Path) -> None:
+def test_callbacks_that_are_async_or_take_info_and_best_effort_subscriptions_work(drive: Path) -> None:
     class BestEffort(Node):
         def __init__(self, name: str) -> None:
             super().__init__(name, namespace="/robot")
@@ -162,6 +162,18 @@ def test_async_callbacks_and_best_effort_subscriptions_work(drive: Path) -> None
             profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
             self.create_subscription(Pose, "/turtle1/pose", out.publish, profile)
 
+    class Informed(Node):
+        def __init__(self) -> None:
+            super().__init__("informed")
+            self.out = self.create_publisher(Pose, "/out", 10)
+            hear: Any = self.hear
+            self.create_subscription(Pose, "/turtle1/pose", hear, 10)
+
+        def hear(self, pose: Pose, info: dict[str, Any]) -> None:
+            assert info["source_timestamp"] > 0
+            self.out.publish(pose)
+
+    assert len(replay(drive, Informed)["/out"]) == COUNT
     assert len(replay(drive, Waiting)["/out"]) == COUNT
     assert len(replay(drive, BestEffort, name="best")["/robot/out"]) == COUNT
 

@@ -130,10 +130,8 @@ def _check_series() -> None:
 
 def _empty_message() -> tuple[_SerializedMessage, Any]:
     """A message for the middleware to fill, and the function that frees it."""
-    array, allocator = (
-        POINTER(_SerializedMessage),
-        _function("librcutils.so", "rcutils_get_default_allocator", _Allocator)(),
-    )
+    array = POINTER(_SerializedMessage)
+    allocator = _function("librcutils.so", "rcutils_get_default_allocator", _Allocator)()
     begin = _function("librcutils.so", "rcutils_uint8_array_init", c_int, array, c_size_t, POINTER(_Allocator))
     message = _SerializedMessage()
     status = begin(byref(message), ROOM, byref(allocator))
@@ -157,16 +155,8 @@ class SerializedSubscription:
         create = _function(middleware, "rmw_create_subscription", c_void_p, *[c_void_p] * 2, c_char_p, *[c_void_p] * 2)
         actual_qos = _function(middleware, "rmw_subscription_get_actual_qos", c_int, c_void_p, c_void_p)
         self._destroy = _function(middleware, "rmw_destroy_subscription", c_int, c_void_p, c_void_p)
-        self._take = _function(
-            middleware,
-            "rmw_take_serialized_message_with_info",
-            c_int,
-            c_void_p,
-            POINTER(_SerializedMessage),
-            POINTER(c_bool),
-            POINTER(_MessageInfo),
-            c_void_p,
-        )
+        taken = (POINTER(structure) for structure in (_SerializedMessage, c_bool, _MessageInfo))
+        self._take = _function(middleware, "rmw_take_serialized_message_with_info", c_int, c_void_p, *taken, c_void_p)
         self._identifier = _function(middleware, "rmw_get_implementation_identifier", c_void_p)()
         default = _function("librmw.so", "rmw_get_default_subscription_options", _SubscriptionOptions)()
         _expect(not any(getattr(default, name) for name, _ in _PLAIN_OPTIONS), "rmw_subscription_options_t")

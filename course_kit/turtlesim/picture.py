@@ -84,12 +84,7 @@ class _TurtlePen:
         self._draw.line([self._place(point) for point in points], color, round(1.3 * _FINE), joint="curve")
 
     def oval(
-        self,
-        middle: tuple[float, float],
-        radii: tuple[float, float],
-        degrees: float,
-        fill: Color,
-        edge: Color,
+        self, middle: tuple[float, float], radii: tuple[float, float], degrees: float, fill: Color, edge: Color
     ) -> None:
         cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
         around = (_on_oval(*radii, angle) for angle in range(0, 360, 6))

@@ -23,16 +23,8 @@ from course_kit.turtlesim.keyboard import Keyboard
 from course_kit.turtlesim.program import program
 
 DRIVING = {"up": (1, 0), "down": (-1, 0), "left": (0, 1), "right": (0, -1)}  # forward, counter-clockwise
-HEADINGS = {  # radians
-    "g": 0.0,
-    "t": 0.7854,
-    "r": 1.5708,
-    "e": 2.3562,
-    "d": 3.1416,
-    "c": -2.3562,
-    "v": -1.5708,
-    "b": -0.7854,
-}
+# In radians, as the original has them.
+HEADINGS = {"g": 0.0, "t": 0.7854, "r": 1.5708, "e": 2.3562, "d": 3.1416, "c": -2.3562, "v": -1.5708, "b": -0.7854}
 KEYS = (*DRIVING, *HEADINGS, "f", "q")
 
 USAGE = """\
