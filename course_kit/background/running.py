@@ -93,8 +93,8 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
             return node  # type: ignore[return-value]
     else:
         made_from = _recipe(node, args, kwargs)
-        for earlier in [r for r in _running.values() if r.made_from == made_from]:
-            stop(earlier.node)
+        for earlier in [r for r in list(_running.values()) if r.made_from == made_from]:
+            _end(earlier)
         made = _construct(node, args, kwargs)
     name = made.get_fully_qualified_name()
     _replace(name, unless=made)
@@ -158,20 +158,16 @@ def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[st
 
 
 def _replace(name: str, unless: Node | None = None) -> None:
-    with _lock:
-        earlier = _running.get(name)
+    earlier = _running.get(name)
     if earlier is not None and earlier.node is not unless:
-        stop(earlier.node)
+        _end(earlier)
 
 
 def _forget_ended(start: int) -> None:
     """Drop the nodes of a context that has ended since: rclpy.shutdown() took them with it."""
-    with _lock:
-        ended = [r for r in _running.values() if r.start != start or not r.spinning.is_alive]
-        for entry in ended:
-            del _running[entry.name]
-    for entry in ended:
-        _end(entry)
+    for entry in list(_running.values()):
+        if entry.start != start or not entry.spinning.is_alive:
+            _end(entry)
 
 
 def stop(*which: Node | str | type[Node] | Process) -> None:
@@ -186,16 +182,11 @@ def stop(*which: Node | str | type[Node] | Process) -> None:
         processes.stop_all()
     selected = [r for one in which if not isinstance(one, Process) for r in _select(one)]
     for entry in selected if which else list(_running.values()):
-        with _lock:
-            if _running.get(entry.name) is not entry:
-                continue
-            del _running[entry.name]
         _end(entry)
 
 
 def _select(which: Node | str | type[Node]) -> list[_Running]:
-    with _lock:
-        running = list(_running.values())
+    running = list(_running.values())
     if isinstance(which, Node):
         return [r for r in running if r.node is which]
     if isinstance(which, type):
@@ -211,6 +202,11 @@ def _select(which: Node | str | type[Node]) -> list[_Running]:
 
 
 def _end(entry: _Running) -> None:
+    """Destroy a node, unless another thread does so."""
+    with _lock:
+        if _running.get(entry.name) is not entry:
+            return
+        del _running[entry.name]
     entry.spinning.close()
     _tell("stopped", entry.name)
 
