@@ -191,18 +191,14 @@ def _differences(first: TopicRecording, second: TopicRecording) -> Iterable[Diff
     return worst.values()
 
 
-def _pairs(a: Any, b: Any, before: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Every field of two messages of one type, with both values; of nested messages theirs."""
-    for name in a.get_fields_and_field_types():
-        yield from _pair(f"{before}{name}", getattr(a, name), getattr(b, name))
-
-
-def _pair(path: str, left: Any, right: Any) -> Iterator[tuple[str, Any, Any]]:
+def _pairs(left: Any, right: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Every field of two values, with both of its values; of messages inside them theirs."""
     if hasattr(left, "get_fields_and_field_types"):
-        yield from _pairs(left, right, f"{path}.")
+        for name in left.get_fields_and_field_types():
+            yield from _pairs(getattr(left, name), getattr(right, name), f"{path}.{name}" if path else name)
     elif isinstance(left, list) and left and hasattr(left[0], "get_fields_and_field_types") and len(left) == len(right):
         for number, (one, other) in enumerate(zip(left, right, strict=True)):
-            yield from _pairs(one, other, f"{path}[{number}].")
+            yield from _pairs(one, other, f"{path}[{number}]")
     else:
         yield path, left, right
 

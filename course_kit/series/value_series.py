@@ -10,6 +10,7 @@ import difflib
 import itertools
 import math
 import os
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -168,11 +169,15 @@ def _read(
     of = readers(wanted, types)
     read: dict[FieldPath, list[float]] = {path: [] for path in of}
     came: dict[str, list[int]] = {path.topic: [] for path in of}
-    by_topic = {topic: [(read[path], one) for path, one in of.items() if path.topic == topic] for topic in came}
+    into = {
+        topic: (times.append, [(read[path].append, one) for path, one in of.items() if path.topic == topic])
+        for topic, times in came.items()
+    }
     for topic, nanoseconds, message in messages:
-        came[topic].append(nanoseconds)
-        for found, reader in by_topic[topic]:
-            found.append(reader(message))
+        add_time, numbers = into[topic]
+        add_time(nanoseconds)
+        for add, number in numbers:
+            add(number(message))
     times = {topic: np.array(nanoseconds, np.int64) for topic, nanoseconds in came.items()}
     return Values([Series(str(path), times[path.topic], np.array(found), start_ns) for path, found in read.items()])
 
@@ -211,8 +216,7 @@ def save_csv(read: Values, file: str | os.PathLike[str]) -> Path:
 
 def _moments(receive_ns: Int64s) -> Iterator[tuple[int, int]]:
     """Each time of receipt, and how many messages of the topic came at the same nanosecond before."""
-    before, repeated = None, 0
+    before: Counter[int] = Counter()
     for now in receive_ns.tolist():
-        repeated = repeated + 1 if now == before else 0
-        before = now
-        yield now, repeated
+        yield now, before[now]
+        before[now] += 1
