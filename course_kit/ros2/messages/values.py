@@ -14,6 +14,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     NamespacedType,
 )
 
+from course_kit.internals.rosidl_parts import check_fields
 from course_kit.ros2.messages.yaml_text import fields
 from course_kit.ros2.verbs import one_line
 
@@ -68,7 +69,7 @@ def _set_fields(message: Any, values: Any, times: list[Any]) -> None:
             raise AttributeError(f"'{type(message).__name__}' object has no attribute '{name}'")
         converted = _converted(slots[name], getattr(message, name), value, times)
         # The generated setters then check ranges, lengths and bounds; by their rounding this number is too large.
-        message._check_fields = not (isinstance(converted, float) and abs(converted) == LARGEST_FLOAT32)
+        check_fields(message, not (isinstance(converted, float) and abs(converted) == LARGEST_FLOAT32))
         setattr(message, name, converted)
 
 
