@@ -292,7 +292,7 @@ def test_echo_and_pub_leave_a_process_that_goes_on_as_it_was(capfd):
     before = len(list(own.publishers)), len(list(own.clients)), len(list(own.subscriptions))
     for number in range(3):
         assert run(("topic", "echo", "/chatter", "--once")) == 0
-        assert run(("topic", "echo", "/chatter", "--duration", "1.5", "--qos-depth", "5")) == 0
+        assert run(("topic", "echo", "/chatter", "--duration", "3", "--qos-depth", "5")) == 0
         assert run(("topic", "pub", "-t", "2", "-r", "50", "-w", "0", "/n", "std_msgs/msg/Int32")) == 0
         out = capfd.readouterr().out
         assert out.count("data: 'Hello ROS2: ") > 1, number

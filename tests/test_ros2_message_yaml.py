@@ -238,10 +238,10 @@ def test_values_with_commas():
 
 def test_a_scan_of_360_beams_is_written_hundreds_of_times_a_second():
     message = type_called("sensor_msgs/LaserScan")(ranges=[0.01 * i for i in range(360)], intensities=[1.0] * 360)
-    began = time.perf_counter()
+    began = time.thread_time()
     for _ in range(100):
         to_yaml(message)
-    assert time.perf_counter() - began < 100 / 300
+    assert time.thread_time() - began < 100 / 300
 
 
 def filled(name: str, text: str) -> Any:

@@ -223,10 +223,10 @@ def test_turtles_move_in_name_order_on_one_field(run: Run) -> None:
 
 def test_line_from_far_away_is_drawn_where_it_crosses_the_field() -> None:
     field = Field()
-    started = time.perf_counter()
+    started = time.thread_time()
     field.draw_line((-3e38, 5.0), (3e38, 5.0), PEN, 3)
     field.draw_line((1e30, -1e30), (1e38, -1e38), PEN, 255)
-    assert time.perf_counter() - started < 1.0
+    assert time.thread_time() - started < 1.0
     assert field.color_at((0.0, 5.0)) == field.color_at((EXTENT, 5.0)) == PEN
     assert field.color_at((5.0, 3.0)) == WHITE
 
