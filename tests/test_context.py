@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
+import rclpy
 from rclpy.node import Node
 
 from course_kit.examining.station import Station
@@ -57,3 +59,24 @@ def test_the_environment_stays_as_it_is_while_a_context_is_made(domain, monkeypa
 
     Station(Domain(domain), only_here=True).close()
     assert seen == ["SUBNET"]
+
+
+def test_a_thread_that_ends_with_ros_may_use_it_to_the_last():
+    """As a live view does: it asks for ROS once more for its last picture, while what stops ROS waits for it."""
+    begun = context.start()
+    is_asked = threading.Event()
+    last: list[int] = []
+    thread = threading.Thread(target=lambda: (is_asked.wait(10.0), last.append(context.start())), daemon=True)
+    thread.start()
+
+    def closer() -> None:
+        is_asked.set()
+        thread.join(10.0)
+        assert not thread.is_alive()
+        closed.append(True)
+
+    closed: list[bool] = []
+    context.before_stop(closer)
+    context.stop()
+    context.ended(closer)
+    assert (closed, last, rclpy.ok()) == ([True], [begun], False)

@@ -20,6 +20,7 @@ RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 REACH = (RANGE, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")
 
 _lock = threading.RLock()
+_ending = threading.RLock()  # not _lock: threads that end use ROS to the last, and ask for it by start()
 _starts = 0
 _owner = 0
 _closers: list[Callable[[], None]] = []
@@ -99,10 +100,11 @@ def ended(closer: Callable[[], None]) -> None:
 
 def stop() -> None:
     """End every executor thread, then the context. Safe to call twice; a forked child leaves it alone."""
-    with _lock:
+    with _ending:
         if _owner != os.getpid():
             return
         for closer in reversed([*_closers]):
             with contextlib.suppress(Exception):  # one part that cannot end must not keep the others
                 closer()
-        rclpy.try_shutdown()
+        with _lock:
+            rclpy.try_shutdown()
