@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import difflib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from course_kit.examining.examination import POLL, current
@@ -27,6 +27,7 @@ def answer(threads: bool = False) -> None:
     `threads`: with a MultiThreadedExecutor.
     """
     exercise = current().exercise
+    before = current().stage.their_nodes()
     reply = current().order("start", 5.0, node_class=exercise.node_class, threads=threads)
     error = reply.get("error", "")
     hint = reply.get("trace", error)
@@ -37,15 +38,19 @@ def answer(threads: bool = False) -> None:
         )
     require(f"a node is made of the class `{exercise.node_class}`", not error, hint)
     if exercise.node:
-        expect_node(exercise.node)
+        expect_node(exercise.node, before)
 
 
-def expect_node(name: str) -> None:
-    """The answer's node has this full name."""
+def expect_node(name: str, before: Sequence[str] = ()) -> None:
+    """The answer's node has this full name; nodes of `before`, of an earlier check, may not have left the graph yet."""
     station = current().stage
-    wait(lambda: name in station.their_nodes(), ARRIVAL_TIMEOUT if station.their_nodes() else NODE_TIMEOUT)
+
+    def theirs() -> list[str]:
+        return [node for node in station.their_nodes() if node == name or node not in before]
+
+    wait(lambda: name in theirs(), ARRIVAL_TIMEOUT if theirs() else NODE_TIMEOUT)
     station.known(NODE_TIMEOUT)  # its topics and services come a little later than its name
-    names = station.their_nodes()
+    names = theirs() or station.their_nodes()
     short = name.rsplit("/", 1)[1]
     hint = (
         f'Your node is called {", ".join(names)}: the name is what you give to super().__init__("{short}").'
