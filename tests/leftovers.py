@@ -43,18 +43,28 @@ def keep_files() -> None:
 
 
 def remove_shared_memory() -> None:
-    """Remove what killed processes had in shared memory: segments, and ports in domains that no test process has."""
+    """Remove what killed processes had in shared memory: segments, and ports.
+
+    While another process uses Fast DDS, of the ports only those in domains that no test process has.
+    """
 
     def are_gone() -> bool:
         shared_memory.tidy()
         return not _unused(SEGMENT)
 
     wait_until(are_gone, shared_memory.NEW + 1.0, poll=0.5)
+    is_quiet = not any(map(_uses_shared_memory, psutil.pids()))
     for port in _unused(PORT):
         domain = (int(port.name.removeprefix("fastrtps_port")) - FIRST_PORT) // PORTS
-        if domain in domains.OF_TESTS and domains.take(domain):
+        if is_quiet or (domain in domains.OF_TESTS and domains.take(domain)):
             for name in (port.name, f"{port.name}_el", f"sem.{port.name}_mutex"):
                 port.with_name(name).unlink(missing_ok=True)
+
+
+def _uses_shared_memory(process: int) -> bool:
+    with contextlib.suppress(OSError):  # it has ended, or is another user's
+        return f"{shared_memory.FOLDER}/fastrtps_" in Path(f"/proc/{process}/maps").read_text()
+    return False
 
 
 def _unused(kind: re.Pattern[str]) -> list[Path]:
