@@ -63,7 +63,7 @@ def remove_shared_memory() -> None:
 
 def _uses_shared_memory(process: int) -> bool:
     with contextlib.suppress(OSError):  # it has ended, or is another user's
-        return f"{shared_memory.FOLDER}/fastrtps_" in Path(f"/proc/{process}/maps").read_text()
+        return bytes(shared_memory.FOLDER / "fastrtps_") in Path(f"/proc/{process}/maps").read_bytes()
     return False
 
 
