@@ -24,12 +24,26 @@ except KeyboardInterrupt:
     print('polite', file=sys.stderr)
 """
 
+QUIET = """
+import os, sys, time
+try:
+    print('pid', os.getpid(), flush=True)
+    while len(sys.argv) == 1: time.sleep(0.1)
+except KeyboardInterrupt:
+    pass
+os.close(1), os.close(2)
+time.sleep(0.5)
+open(os.environ['ENDED'], 'x').close()
+os._exit(3)
+"""
+
 
 @pytest.fixture
 def prefix(tmp_path: Path) -> Prefix:
     prefix = Prefix(tmp_path / "install")
     prefix.launch_file("demo", "demo.launch.py", f"python({POLITE!r}), python({TICKING!r})")
     prefix.program("demo", "polite", POLITE)
+    prefix.program("demo", "quiet", QUIET)
     return prefix
 
 
@@ -67,6 +81,20 @@ def test_a_program_streams_and_ends_after_its_duration(kernel: Kernel) -> None:
     (process,) = pids(kernel, cell, 1)
     assert kernel.text(cell) == f"pid {process}\npolite\n"
     assert none_left([process])
+
+
+@pytest.mark.parametrize("how, status", [("--duration 1 demo quiet", None), ("demo quiet now", 3)])
+def test_a_program_that_closes_its_output_is_awaited_not_killed(
+    kernel: Kernel, tmp_path: Path, how: str, status: int | None
+) -> None:
+    ended = tmp_path / "ended"
+    kernel.run(f"os.environ['ENDED'] = {str(ended)!r}")
+    cell = kernel.run(f"%ros2 run {how}")
+    assert ended.exists()
+    (process,) = pids(kernel, cell, 1)
+    assert none_left([process])
+    said = "" if status is None else f"[ros2run]: Process exited with failure {status}\n"
+    assert kernel.text(cell) == f"pid {process}\n{said}"
 
 
 def test_nothing_is_left_when_the_kernel_is_killed(kernel: Kernel) -> None:

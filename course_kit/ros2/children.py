@@ -91,21 +91,23 @@ def _streamed(cmd: Sequence[str], session: Session, environment: dict[str, str])
         def end() -> None:
             streams.pop()
             if not streams:
+                process.wait()  # it may have closed them and still have something to do
                 lines.put(None)
 
         with pipe:
             read_lines(os.dup(pipe.fileno()), lambda: process.poll() is not None, take, end)
+    duration_over = False
     try:
         _write(session.items(lines))
     except (KeyboardInterrupt, DurationOver) as why:
+        duration_over = isinstance(why, DurationOver)
         _signal_session(process, signal.SIGINT)
         _write(_arriving(lines))
-        if isinstance(why, DurationOver):
-            return 0
     finally:
         if process.poll() is None:
             _signal_session(process, signal.SIGKILL)
-    return process.wait()
+        status = process.wait()
+    return 0 if duration_over else status
 
 
 def _started(cmd: Sequence[str], **options: Any) -> subprocess.Popen[Any]:
