@@ -26,6 +26,18 @@ OPTIONS = (
     "-fno-sanitize=undefined",
 )  # fmt: skip
 HEADERS = "include"
+RUNTIME_HEADER = "with_libstdcxx.hpp"
+# Libraries of ROS packages use the C++ library that ROS 2's own are built with, which these load. zig would compile its
+# own one first, for more than a minute. What its headers leave to it, and libstdc++ does not have, is compiled with
+# each file instead: the members of string, two constructors.
+RUNTIME = """\
+#define _LIBCPP___STRING_EXTERN_TEMPLATE_LISTS_H
+#define _LIBCPP_STRING_V1_EXTERN_TEMPLATE_LIST(...)
+#include <new>
+inline std::bad_alloc::bad_alloc() noexcept {}
+inline std::bad_array_new_length::bad_array_new_length() noexcept {}
+"""
+WITHOUT_OWN_RUNTIME = "-nostdlib++"
 
 
 class CompileError(SystemExit):
@@ -38,6 +50,7 @@ class Compiler:
 
     c: list[str]
     cxx: list[str]
+    link: list[str]  # shared libraries of ROS packages
 
 
 def of_the_machine(environ: Mapping[str, str]) -> str | None:
@@ -53,21 +66,25 @@ def find(folder: Path) -> Compiler:
             f"Install it: sudo apt-get install python3.{sys.version_info.minor}-dev"
         )
     if (os.environ.get("CC") or shutil.which("cc")) and of_the_machine(os.environ):
-        return Compiler(shlex.split(os.environ.get("CC") or "cc"), shlex.split(os.environ.get("CXX") or "c++"))
+        cxx = shlex.split(os.environ.get("CXX") or "c++")
+        return Compiler(shlex.split(os.environ.get("CC") or "cc"), cxx, [*cxx, "-shared"])
     wheel = importlib.util.find_spec(WHEEL)
     if wheel is None or wheel.origin is None:
         raise CompileError("No C++ compiler. Install one: sudo apt-get install -y g++, or set CC and CXX.")
-    add_python_headers(folder)
-    zig = str(Path(wheel.origin).with_name("zig"))
-    return Compiler(*([zig, name, *OPTIONS, f"-I{folder / HEADERS}"] for name in COMPILERS))
+    add_headers(folder)
+    zig, headers = str(Path(wheel.origin).with_name("zig")), folder / HEADERS
+    c, cxx = ([zig, name, *OPTIONS, f"-I{headers}"] for name in COMPILERS)
+    return Compiler(c, [*cxx, "-include", str(headers / RUNTIME_HEADER)], [*cxx, "-shared", WITHOUT_OWN_RUNTIME])
 
 
-def add_python_headers(folder: Path) -> None:
-    """Lead a compiler that has a C library of its own to pyconfig.h.
+def add_headers(folder: Path) -> None:
+    """Write the headers that a compiler with C and C++ libraries of its own needs here: RUNTIME, and for Python.h.
 
     Debian's pyconfig.h includes <x86_64-linux-gnu/python3.11/pyconfig.h>, as seen from /usr/include. With that folder
     the wheel's compiler would see the headers of the machine's C library beside its own.
     """
+    (folder / HEADERS).mkdir(parents=True, exist_ok=True)
+    (folder / HEADERS / RUNTIME_HEADER).write_text(RUNTIME)
     include, multiarch = Path(sysconfig.get_path("include")), sysconfig.get_config_var("MULTIARCH") or ""
     part = Path(multiarch, include.name, "pyconfig.h")
     original, header = include.parent / part, folder / HEADERS / part
@@ -78,10 +95,15 @@ def add_python_headers(folder: Path) -> None:
 
 def write_tools(folder: Path, to_prefix: str) -> None:
     """The wheel's tools as commands for CMake; `to_prefix` leads from where they will be to the environment."""
-    add_python_headers(folder)
+    add_headers(folder)
     zig = os.path.join(to_prefix, os.path.relpath(sysconfig.get_path("platlib"), sys.prefix), WHEEL, "zig")
-    for name in (*COMPILERS, *TOOLS):
-        options = f' {shlex.join(OPTIONS)} "-I$here/{HEADERS}"' if name in COMPILERS else ""
-        command = folder / name
-        command.write_text(f'#!/bin/sh\nhere=${{0%/*}}\nexec "$here/{zig}" {name}{options} "$@"\n')
-        command.chmod(0o755)
+    options = f'{shlex.join(OPTIONS)} "-I$here/{HEADERS}"'
+    commands = {name: f'exec "$zig" {name} "$@"' for name in TOOLS}
+    commands["cc"] = f'exec "$zig" cc {options} "$@"'
+    cxx = f'"$zig" c++ {options} -include "$here/{HEADERS}/{RUNTIME_HEADER}"'
+    # A program that uses nothing of the C++ library, such as CMake's first trials, does not wait for it to be compiled.
+    trial = f'*) {cxx} {WITHOUT_OWN_RUNTIME} "$@" 2> /dev/null && exit ;;'
+    commands["c++"] = f'case " $* " in *" -c "* | *" -E "* | *" -S "* | *" -shared "*) ;; {trial} esac\nexec {cxx} "$@"'
+    for name, command in commands.items():
+        (folder / name).write_text(f"#!/bin/sh\nhere=${{0%/*}}\nzig=$here/{zig}\n{command}\n")
+        (folder / name).chmod(0o755)

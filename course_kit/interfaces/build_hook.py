@@ -93,7 +93,7 @@ class Interfaces(BuildHookInterface):
 
     def _compiled(self, packages: dict[str, Path], work: Path) -> dict[str, Path]:
         """Compile, unless the same definitions were compiled before."""
-        digest = hashlib.sha256(Path(rosidl.__file__).read_bytes())
+        digest = hashlib.sha256(Path(rosidl.__file__).read_bytes() + Path(compiler.__file__).read_bytes())
         for path in sorted(p for folder in packages.values() for p in folder.rglob("*") if p.is_file()):
             digest.update(str(path).encode() + path.read_bytes())
         digest.update("".join(pins.versions(BUILD_WHEELS)).encode())

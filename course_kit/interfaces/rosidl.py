@@ -183,11 +183,10 @@ def _link(package: str, objects: list[list[str]], compiler: Compiler, work: Path
         return [f"{dependency}__{kind}" for dependency in DEPENDENCIES for kind in kinds]
 
     def link(name: str, objects: list[str], own: list[str], libraries: list[str]) -> None:
-        # Own libraries are needed at run time although no symbol of them is used: --no-as-needed. Not stripped: for
-        # that zig would compile its C++ library another time.
+        # Own libraries are needed at run time although no symbol of them is used: --no-as-needed.
         subprocess.run(
             [
-                *compiler.cxx, "-shared", "-Wl,-rpath,$ORIGIN", f"-Wl,-soname,{name}",
+                *compiler.link, "-Wl,-rpath,$ORIGIN", f"-Wl,-soname,{name}",
                 "-o", folder / name, *objects, f"-L{folder}", f"-L{library_folder}",
                 "-Wl,--no-as-needed", *(f"-l{library}" for library in own),
                 "-Wl,--as-needed", *(f"-l{library}" for library in libraries),
