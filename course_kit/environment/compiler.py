@@ -100,10 +100,13 @@ def write_tools(folder: Path, to_prefix: str) -> None:
     options = f'{shlex.join(OPTIONS)} "-I$here/{HEADERS}"'
     commands = {name: f'exec "$zig" {name} "$@"' for name in TOOLS}
     commands["cc"] = f'exec "$zig" cc {options} "$@"'
-    cxx = f'"$zig" c++ {options} -include "$here/{HEADERS}/{RUNTIME_HEADER}"'
+    header = f'-include "$here/{HEADERS}/{RUNTIME_HEADER}"'
     # A program that uses nothing of the C++ library, such as CMake's first trials, does not wait for it to be compiled.
-    trial = f'*) {cxx} {WITHOUT_OWN_RUNTIME} "$@" 2> /dev/null && exit ;;'
-    commands["c++"] = f'case " $* " in *" -c "* | *" -E "* | *" -S "* | *" -shared "*) ;; {trial} esac\nexec {cxx} "$@"'
+    trial = f'*) "$zig" c++ {options} {WITHOUT_OWN_RUNTIME} "$@" 2> /dev/null && exit ;;'
+    commands["c++"] = (
+        f'case " $* " in *" -c "* | *" -E "* | *" -S "* | *" -shared "*) ;; {trial} esac\n'
+        f'exec "$zig" c++ {options} {header} "$@"'
+    )
     for name, command in commands.items():
         (folder / name).write_text(f"#!/bin/sh\nhere=${{0%/*}}\nzig=$here/{zig}\n{command}\n")
         (folder / name).chmod(0o755)

@@ -32,7 +32,7 @@ function(_course_kit_leave_out_own_runtime)
 endfunction()
 
 if(CMAKE_CURRENT_SOURCE_DIR STREQUAL CMAKE_SOURCE_DIR)
-  if(CMAKE_CXX_COMPILER MATCHES "/share/course_kit/compiler/c\\+\\+$")
+  if(COURSE_KIT_COMPILER_IS_WHEEL)
     cmake_language(DEFER CALL _course_kit_leave_out_own_runtime)
   endif()
   cmake_language(DEFER CALL _course_kit_correct_targets)

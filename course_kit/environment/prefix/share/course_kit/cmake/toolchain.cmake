@@ -16,6 +16,7 @@ if(EXISTS "${_course_kit_tools}/c++" AND NOT DEFINED CMAKE_CXX_COMPILER AND NOT 
   endif()
 endif()
 if(CMAKE_CXX_COMPILER STREQUAL "${_course_kit_tools}/c++")
+  set(COURSE_KIT_COMPILER_IS_WHEEL TRUE)
   set(CMAKE_AR "${_course_kit_tools}/ar")
   set(CMAKE_RANLIB "${_course_kit_tools}/ranlib")
 endif()
