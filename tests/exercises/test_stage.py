@@ -7,6 +7,7 @@ import gc
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,7 +16,9 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_kit.examining.answer_host import AnswerHost
+from course_kit.examining.examination import Examination
 from course_kit.examining.station import KEPT, Heard, Station
+from course_kit.examining.vocabulary import ARRIVAL_TIMEOUT, expect_node
 from tests.waiting import wait_until
 
 
@@ -23,6 +26,11 @@ class Whole(Node):
     def __init__(self) -> None:
         super().__init__("sayer")
         self.words = self.create_publisher(String, "words", 10)
+
+
+class Other(Node):
+    def __init__(self) -> None:
+        super().__init__("other")
 
 
 class HalfMade(Whole):
@@ -50,6 +58,18 @@ def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(stage_domain
         gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
         assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]
         assert station.their_nodes() == ["/sayer"]
+
+
+def test_a_node_of_an_earlier_check_is_not_taken_for_the_answer_s(examination: Examination) -> None:
+    with contextlib.closing(AnswerHost(examination.stage.domain)) as host:
+        host.start(Whole, [], threads=False)
+        before = wait_until(examination.stage.their_nodes)
+        with contextlib.closing(AnswerHost(examination.stage.domain)) as later:
+            coming = threading.Timer(2 * ARRIVAL_TIMEOUT, later.start, [Other, []], {"threads": False})
+            coming.start()
+            expect_node("/other", before)
+            coming.join()
+    assert [(found.ok, found.text) for found in examination.findings] == [(True, "its node is called `/other`")]
 
 
 def test_two_checkers_never_share_a_stage(stage_domain: int, tmp_path: Path) -> None:
