@@ -6,7 +6,10 @@ Importing this package starts nothing and is quick; each name below is loaded wh
 from __future__ import annotations
 
 import importlib
-from typing import Any
+
+TYPE_CHECKING = False  # type checkers take it for True; importing typing would cost every start of Python 5 ms
+if TYPE_CHECKING:
+    from typing import Any
 
 # Where each public name comes from.
 EXPORTS = {

@@ -37,7 +37,7 @@ def test_a_fresh_python_finds_ros_and_its_packages():
 def test_a_fresh_python_stays_on_this_machine_in_a_domain_of_its_user():
     assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
     assert variable("ROS_DOMAIN_ID") == str(user_domain(os.getuid()))
-    assert variable("FASTRTPS_DEFAULT_PROFILES_FILE") == str(PROFILE)
+    assert variable("FASTRTPS_DEFAULT_PROFILES_FILE") == PROFILE
     assert variable("PATH").startswith(str(Path(sys.prefix, "bin")) + os.pathsep)
 
 

@@ -28,7 +28,7 @@ def jazzy(tmp_path) -> RosInstallation:
     packages.mkdir(parents=True)
     for name in ("rclpy", "example_interfaces"):
         (packages / name).touch()
-    return RosInstallation(prefix, "jazzy")
+    return RosInstallation(str(prefix), "jazzy")
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_beside_a_sourced_ros_only_its_own_python_will_do(jazzy):
     assert python.version(some_python((3, 12, 3)), jazzy).status == "PASS"
     check = python.version(some_python((3, 11, 7)), jazzy)
     assert check.status == "FAIL"
-    assert str(jazzy.prefix) in check.reason
+    assert jazzy.prefix in check.reason
 
 
 def test_a_missing_venv_module_fails_with_the_package_to_install_until_the_environment_is_made():
@@ -181,7 +181,7 @@ def test_another_python_makes_the_venv_outdated(finished):
 
 
 def test_sourcing_ros_makes_the_venv_outdated_and_unsourcing_makes_it_ready_again(finished, jazzy):
-    sourced = {"AMENT_PREFIX_PATH": str(jazzy.prefix), "ROS_DISTRO": "jazzy"}
+    sourced = {"AMENT_PREFIX_PATH": jazzy.prefix, "ROS_DISTRO": "jazzy"}
     assert stamp.state(finished, sourced, THIS) == "outdated"
     assert stamp.state(finished, {}, THIS) == "ready"
 

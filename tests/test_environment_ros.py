@@ -14,8 +14,8 @@ from course_kit.environment.activation import RosInstallation
 from course_kit.environment.interpreter import Interpreter
 from course_kit.environment.ros import RoundTrip
 
-APT = RosInstallation(Path("/opt/ros/jazzy"), "jazzy")
-HUMBLE = RosInstallation(Path("/opt/ros/humble"), "humble")
+APT = RosInstallation("/opt/ros/jazzy", "jazzy")
+HUMBLE = RosInstallation("/opt/ros/humble", "humble")
 
 
 def some_python(**facts) -> Interpreter:
@@ -92,7 +92,7 @@ def test_another_distribution_warns_and_names_where_it_is_sourced():
 
 
 def test_two_installations_at_once_fail():
-    other = RosInstallation(Path("/home/student/ros2_jazzy/install"), "jazzy")
+    other = RosInstallation("/home/student/ros2_jazzy/install", "jazzy")
     assert ros.other_installations([APT, other], {"ROS_DISTRO": "jazzy"}).status == "FAIL"
 
 

@@ -18,7 +18,7 @@ import pytest
 from course_kit import Workspace, start, wait_for
 from course_kit.colcon.colcon_output import BuildOutput
 from course_kit.colcon.workspaces import Build, BuildError
-from course_kit.environment.activation import has_ros_wheels, sourced_ros
+from course_kit.environment.activation import has_package, sourced_ros
 from course_kit.programs import processes
 from tests import packages
 from tests.course_copy import fresh_environ
@@ -386,7 +386,7 @@ def test_git_ignores_a_workspace_beside_the_notebooks():
         assert subprocess.run(["git", "check-ignore", "-q", folder], cwd=root, timeout=20).returncode == 0
 
 
-@pytest.mark.skipif(not has_ros_wheels(os.environ["COURSE_KIT_PREFIX"]), reason="apt's ROS 2 brings make")
+@pytest.mark.skipif(not has_package(os.environ["COURSE_KIT_PREFIX"], "rclpy"), reason="apt's ROS 2 brings make")
 def test_without_make_ninja_builds(small, tmp_path):
     tools = tmp_path / "tools"
     tools.mkdir()

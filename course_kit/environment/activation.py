@@ -1,19 +1,20 @@
 """Gives every Python of the course's environment what sourcing a ROS 2 set-up file would give it.
 
 A .pth file calls activate() whenever that Python starts: in kernels, terminals, child processes and tests.
-What the user set is kept. Standard library only, and quick: it is part of every start.
+What the user set is kept. Quick, for it is part of every start: no module is imported that Python has not loaded then.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping, MutableMapping
-from dataclasses import dataclass
-from pathlib import Path
+
+TYPE_CHECKING = False  # type checkers take it for True
+if TYPE_CHECKING:
+    from collections.abc import Mapping, MutableMapping
 
 DISTRO = "jazzy"
-PROFILE = Path(__file__).with_name("fastdds_profile.xml")
+PROFILE = os.path.join(os.path.dirname(__file__), "fastdds_profile.xml")
 PATH_VARIABLES = ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
 # Corrects what the CMake files of the wheels say about the machine that built them.
 TOOLCHAIN = "share/course_kit/cmake/toolchain.cmake"
@@ -22,16 +23,17 @@ PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES
 RESTARTED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 
 
-@dataclass(frozen=True)
+def has_package(prefix: str, name: str) -> bool:
+    """Whether a ROS package is installed there."""
+    return os.path.exists(os.path.join(prefix, "share/ament_index/resource_index/packages", name))
+
+
 class RosInstallation:
     """A ROS 2 that the user sourced, as apt installs it to /opt/ros."""
 
-    prefix: Path
-    distro: str
-
-    def has_package(self, name: str) -> bool:
-        """Whether it brings a ROS package."""
-        return (self.prefix / "share/ament_index/resource_index/packages" / name).exists()
+    def __init__(self, prefix: str, distro: str) -> None:
+        self.prefix = prefix
+        self.distro = distro
 
 
 def split_paths(value: str) -> list[str]:
@@ -41,22 +43,14 @@ def split_paths(value: str) -> list[str]:
 
 def installations(environ: Mapping[str, str]) -> list[RosInstallation]:
     """Every ROS 2 with rclpy on AMENT_PREFIX_PATH that is not a Python environment like ours."""
-    found = []
-    for prefix in map(Path, split_paths(environ.get("AMENT_PREFIX_PATH", ""))):
-        installation = RosInstallation(prefix, environ.get("ROS_DISTRO", prefix.name))
-        if installation.has_package("rclpy") and not (prefix / "pyvenv.cfg").exists():
-            found.append(installation)
-    return found
+    prefixes = [os.path.normpath(entry) for entry in split_paths(environ.get("AMENT_PREFIX_PATH", ""))]
+    found = [p for p in prefixes if has_package(p, "rclpy") and not os.path.exists(os.path.join(p, "pyvenv.cfg"))]
+    return [RosInstallation(p, environ.get("ROS_DISTRO", os.path.basename(p))) for p in found]
 
 
 def sourced_ros(environ: Mapping[str, str]) -> RosInstallation | None:
     """The sourced ROS 2 Jazzy, or None. The course uses it instead of the wheels."""
     return next((ros for ros in installations(environ) if ros.distro == DISTRO), None)
-
-
-def has_ros_wheels(prefix: str) -> bool:
-    """Whether the wheels of ROS 2 are installed in a Python environment."""
-    return Path(prefix, "share/ament_index/resource_index/packages/rclpy").exists()
 
 
 def _has_command(name: str, environ: Mapping[str, str]) -> bool:
@@ -71,7 +65,7 @@ def user_domain(uid: int) -> int:
 
 def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.environ) -> None:
     """Complete the environment of this process for ROS 2."""
-    if has_ros_wheels(prefix):
+    if has_package(prefix, "rclpy"):
         _leave_installations(environ)
         # Last: a colcon workspace that the user sourced lies over ROS 2, as it lies over /opt/ros.
         for name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH"):
@@ -94,9 +88,9 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     environ.setdefault("ROS_DOMAIN_ID", str(user_domain(os.getuid())))
     # Without the check, which ROS 2 leaves out by default, an int in a float field arrives as garbage.
     environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
-    own_profile = Path("DEFAULT_FASTRTPS_PROFILES.xml").exists()
+    own_profile = os.path.exists("DEFAULT_FASTRTPS_PROFILES.xml")
     if not own_profile and not any(environ.get(name) for name in PROFILE_VARIABLES):
-        environ[PROFILE_VARIABLES[0]] = str(PROFILE)
+        environ[PROFILE_VARIABLES[0]] = PROFILE
 
 
 def _allow_spaces(prefix: str, environ: MutableMapping[str, str]) -> None:
@@ -109,7 +103,7 @@ def _allow_spaces(prefix: str, environ: MutableMapping[str, str]) -> None:
 
 def _leave_installations(environ: MutableMapping[str, str]) -> None:
     """Take sourced ROS 2 installations out of the environment: their libraries and the wheels' do not mix."""
-    prefixes = [str(ros.prefix) + os.sep for ros in installations(environ)]
+    prefixes = [ros.prefix + os.sep for ros in installations(environ)]
     for name in PATH_VARIABLES if prefixes else ():
         entries = split_paths(environ.get(name, ""))
         kept = [e for e in entries if not (e + os.sep).startswith(tuple(prefixes))]

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
-from course_kit.environment.activation import RosInstallation, sourced_ros
+from course_kit.environment.activation import RosInstallation, has_package, sourced_ros
 
 OLDEST, NEWEST = (3, 10), (3, 13)  # the ROS 2 wheels exist for these
 INTERFACES = Path(__file__).resolve().parents[1] / "interfaces"
@@ -50,14 +50,14 @@ def supported(version: Sequence[int], ros: RosInstallation | None) -> bool:
     """Whether the course runs on this version: that of a sourced ROS 2 where there is one."""
     if ros is not None:
         minor = ".".join(map(str, version[:2]))
-        return (ros.prefix / f"lib/python{minor}/site-packages/rclpy").is_dir()
+        return Path(ros.prefix, f"lib/python{minor}/site-packages/rclpy").is_dir()
     return OLDEST <= tuple(version[:2]) <= NEWEST
 
 
 def interfaces_to_compile(ros: RosInstallation | None) -> list[str]:
     """The interface packages that no sourced ROS 2 brings."""
     names = sorted(path.parent.name for path in INTERFACES.glob("*/package.xml"))
-    return [name for name in names if ros is None or not ros.has_package(name)]
+    return [name for name in names if ros is None or not has_package(ros.prefix, name)]
 
 
 def apt_package(version: Sequence[int], part: str) -> str:

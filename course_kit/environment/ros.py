@@ -46,10 +46,10 @@ def installation(ros: RosInstallation | None, python: Interpreter, ready: bool) 
 def other_installations(installations: Sequence[RosInstallation], environ: Mapping[str, str]) -> Check:
     """A sourced ROS of another distribution, or two at once."""
     distro = environ.get("ROS_DISTRO", "")
-    prefixes = [str(ros.prefix) for ros in installations]
+    prefixes = [ros.prefix for ros in installations]
     foreign = [ros for ros in installations if ros.distro != DISTRO]
     if foreign or (distro not in ("", DISTRO) and not installations):
-        where = str(foreign[0].prefix) if foreign else f"/opt/ros/{distro}"
+        where = foreign[0].prefix if foreign else f"/opt/ros/{distro}"
         return warn(
             f"{distro or foreign[0].distro} is sourced ({where}), the course is for {DISTRO}",
             "the course takes it out of its own processes; others of this terminal would mix the two",

@@ -75,7 +75,7 @@ def _long_lease(environ: Mapping[str, str]) -> Environment:
     profile = _folder() / "stock_lease.xml"
     if not profile.exists():
         lease = "<leaseDuration><sec>{}</sec></leaseDuration>"
-        text = PROFILE.read_text()
+        text = Path(PROFILE).read_text()
         if lease.format(5) not in text:
             raise RuntimeError(f"{PROFILE} has another lease than the fault lab expects")
         profile.write_text(text.replace(lease.format(5), lease.format(STOCK_LEASE)))

@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from course_kit.environment import compiler, pins  # noqa: E402
-from course_kit.environment.activation import sourced_ros  # noqa: E402
+from course_kit.environment.activation import has_package, sourced_ros  # noqa: E402
 from course_kit.interfaces import rosidl  # noqa: E402
 
 DEFINITIONS = ROOT / "course_kit" / "interfaces"
@@ -35,7 +35,7 @@ class RosMetadata(MetadataHookInterface):
         metadata["dependencies"] = pins.requirements(
             with_ros=ros is None, with_compiler=pins.compiler_is_wanted(os.environ)
         )
-        has_command = ros is not None and ros.has_package("ros2cli")
+        has_command = ros is not None and has_package(ros.prefix, "ros2cli")
         ours = {} if has_command else {"ros2": "course_kit.ros2.command:main"}
         metadata["scripts"] = {**ours, "course": "course_kit.course_command:main"}
 
@@ -47,7 +47,7 @@ class Interfaces(BuildHookInterface):
         """{name: folder} of what has to be compiled."""
         ros = sourced_ros(os.environ)
         names = sorted(path.parent for path in DEFINITIONS.glob("*/package.xml"))
-        return {p.name: p for p in names if ros is None or not ros.has_package(p.name)}
+        return {p.name: p for p in names if ros is None or not has_package(ros.prefix, p.name)}
 
     def dependencies(self) -> list[str]:
         """The packages that compiling needs."""
