@@ -7,18 +7,14 @@ from __future__ import annotations
 
 TYPE_CHECKING = False  # type checkers take it for True; importing typing would cost every start 5 ms
 if TYPE_CHECKING:
-    from course_kit.environment.report import Check, Report
-
-
-def check() -> list[Check]:
-    """Every check of this machine and of the environment that this Python runs in; takes about 2 s."""
-    from course_kit.environment import checklist
-
-    return checklist.of_this_python()
+    from course_kit.environment.report import Report
 
 
 def check_environment() -> Report:
-    """The same as a table that a notebook shows; `.failed` lists what has to be cured."""
-    from course_kit.environment.report import Report
+    """Every check of this machine and of the environment that this Python runs in; takes about 2 s.
 
-    return Report(check())
+    A notebook shows the report as a table; its `.failed` lists what has to be cured.
+    """
+    from course_kit.environment import checklist, report
+
+    return report.Report(checklist.of_this_python())

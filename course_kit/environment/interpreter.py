@@ -12,12 +12,14 @@ import importlib.util
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 import sysconfig
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from course_kit.environment.activation import RosInstallation, has_package, sourced_ros
 
@@ -65,18 +67,13 @@ def apt_package(version: Sequence[int], part: str) -> str:
     return f"python{version[0]}.{version[1]}-{part}"
 
 
-def has_module(name: str) -> bool:
-    """Whether a module can be imported, without importing it."""
-    return importlib.util.find_spec(name) is not None
-
-
 def this_interpreter() -> Interpreter:
     """The Python that runs this."""
     return Interpreter(
         path=sys.executable,
         version=sys.version_info[:3],
         prefix=sys.prefix,
-        has_venv=has_module("venv") and has_module("ensurepip"),
+        has_venv=all(map(importlib.util.find_spec, ("venv", "ensurepip"))),
         has_headers=Path(sysconfig.get_path("include"), "Python.h").exists(),
     )
 
@@ -111,21 +108,37 @@ def _applicable(requirements: Sequence[str]) -> list[tuple[str, str]]:
     ]
 
 
-def probe(python: str, environ: Mapping[str, str]) -> Interpreter:
-    """Ask the Python of an environment. OSError or ValueError if it does not answer."""
-    answer = subprocess.run(
-        [python, "-B", "-m", "course_kit.environment.interpreter", "--json"],
+def ask(python: str, environ: Mapping[str, str], module: str, argument: str, timeout: float) -> dict[str, Any]:
+    """What a module of this room says as JSON in its last line, run by another Python; timeout in seconds.
+
+    OSError, TimeoutExpired or ValueError, with that Python's last words, if it does not answer.
+    """
+    process = subprocess.Popen(
+        [python, "-B", "-m", f"course_kit.environment.{module}", argument],
         cwd=INTERFACES.parents[1],
         env=dict(environ),
-        capture_output=True,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         text=True,
-        timeout=TIMEOUT,
-        check=False,
+        start_new_session=True,
     )
-    if answer.returncode:
-        lines = answer.stderr.strip().splitlines()
-        raise ValueError(lines[-1] if lines else f"exit status {answer.returncode}")
-    facts = json.loads(answer.stdout)
+    try:
+        output, errors = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        raise
+    if process.returncode:
+        lines = errors.strip().splitlines()
+        raise ValueError(lines[-1] if lines else f"{python} ended with exit status {process.returncode}")
+    found: dict[str, Any] = json.loads((output.splitlines() or [""])[-1])
+    return found
+
+
+def probe(python: str, environ: Mapping[str, str]) -> Interpreter:
+    """Ask the Python of an environment. OSError or ValueError if it does not answer."""
+    facts = ask(python, environ, "interpreter", "--json", TIMEOUT)
     return Interpreter(**facts | {"version": tuple(facts["version"])})
 
 

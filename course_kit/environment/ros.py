@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -12,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from course_kit.environment.activation import DISTRO, RosInstallation, sourced_ros, split_paths, user_domain
-from course_kit.environment.interpreter import Interpreter
+from course_kit.environment.interpreter import Interpreter, ask
 from course_kit.environment.python import RENEW, not_set_up
 from course_kit.environment.report import Check, fail, passed, warn
 
@@ -75,32 +73,15 @@ class RoundTrip:
 
 
 def round_trip(
-    python: str,
-    environ: Mapping[str, str],
-    message_timeout: float = MESSAGE_TIMEOUT,
-    timeout: float = PROCESS_TIMEOUT,
+    python: str, environ: Mapping[str, str], message_timeout: float = MESSAGE_TIMEOUT, timeout: float = PROCESS_TIMEOUT
 ) -> RoundTrip:
     """Really start two nodes with that Python and send one message; timeouts in seconds."""
-    process = subprocess.Popen(
-        [python, "-B", "-m", "course_kit.environment.round_trip", str(message_timeout)],
-        cwd=Path(__file__).resolve().parents[2],
-        env=dict(environ),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
     try:
-        output, errors = process.communicate(timeout=timeout)
+        return RoundTrip(**ask(python, environ, "round_trip", str(message_timeout), timeout))
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
         return RoundTrip(error=f"no answer from rclpy in {timeout:g} s")
-    lines = errors.strip().splitlines()
-    if process.returncode:
-        return RoundTrip(error=lines[-1] if lines else f"rclpy ended with exit status {process.returncode}")
-    return RoundTrip(**json.loads(output.splitlines()[-1]))
+    except ValueError as error:
+        return RoundTrip(error=str(error))
 
 
 def node(result: RoundTrip) -> Check:
