@@ -180,26 +180,14 @@ class CppReception:
             for handle in (guard, wait_set, *(handle for taker in takers for handle in taker.handles)):
                 in_use.enter_context(handle)
 
+            add, add_event, is_ready = wait_set.add_subscription, wait_set.add_event, wait_set.is_ready
+
             def look() -> list[Ready]:
                 wait_set.clear_entities()
                 wait_set.add_guard_condition(guard)
-                places = [
-                    (
-                        wait_set.add_subscription(taker.subscription),
-                        wait_set.add_event(taker.missed),
-                        wait_set.add_event(taker.refused),
-                    )
-                    for taker in takers
-                ]
+                places = [(add(one.subscription), add_event(one.missed), add_event(one.refused)) for one in takers]
                 wait_set.wait(int(WAIT * 1e9))
-                return [
-                    Ready(
-                        wait_set.is_ready("subscription", messages),
-                        wait_set.is_ready("event", lost),
-                        wait_set.is_ready("event", refused),
-                    )
-                    for messages, lost, refused in places
-                ]
+                return [Ready(*map(is_ready, ("subscription", "event", "event"), found)) for found in places]
 
             yield look
 
@@ -214,9 +202,9 @@ class PublicTaker:
     def __init__(self, node: Node, message_type: Any, topic: str, qos: QoSProfile) -> None:
         self._node = node
         self.kept: deque[tuple[bytes, dict[str, Any]]] = deque()
-        self.lost: Any = None  # what the middleware has last said of it
-        self.refused: Any = None
-        events = SubscriptionEventCallbacks(incompatible_qos=self._on_refused, message_lost=self._on_lost)
+        self.lost: deque[Any] = deque(maxlen=1)  # what the middleware has last said of it
+        self.refused: deque[Any] = deque(maxlen=1)
+        events = SubscriptionEventCallbacks(incompatible_qos=self.refused.append, message_lost=self.lost.append)
         receive: Any = self._on_message  # rclpy's type hints know of no second argument
         self._subscription = node.create_subscription(
             message_type, topic, receive, qos, event_callbacks=events, raw=True
@@ -224,12 +212,6 @@ class PublicTaker:
 
     def _on_message(self, message: bytes, info: dict[str, Any]) -> None:
         self.kept.append((message, info))
-
-    def _on_lost(self, event: Any) -> None:
-        self.lost = event
-
-    def _on_refused(self, event: Any) -> None:
-        self.refused = event
 
     def take(self) -> tuple[bytes, dict[str, Any]] | None:
         """The next message and its info; None if there is none."""
@@ -244,13 +226,11 @@ class PublicTaker:
 
     def lost_count(self) -> int:
         """How many messages the middleware says it could not deliver."""
-        event, self.lost = self.lost, None
-        return int(event.total_count)
+        return int(self.lost.pop().total_count)
 
     def refused_policy(self) -> QoSPolicyKind:
         """For which of its policies a publisher was last refused."""
-        event, self.refused = self.refused, None
-        return event.last_policy_kind
+        return self.refused.pop().last_policy_kind
 
     def destroy(self) -> None:
         """End the subscription."""
@@ -284,7 +264,7 @@ class PublicReception:
                 self._executor.spin_once(timeout_sec=0)
                 before, kept = kept, sum(len(taker.kept) for taker in takers)
                 idle = idle + 1 if kept == before else 0
-            return [Ready(bool(t.kept), t.lost is not None, t.refused is not None) for t in takers]
+            return [Ready(*map(bool, (taker.kept, taker.lost, taker.refused))) for taker in takers]
 
         yield look
 
