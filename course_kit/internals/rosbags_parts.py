@@ -19,7 +19,7 @@ from typing import Any
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionMode, Reader
 
-from course_kit.internals import NotAsExpected, say
+from course_kit.internals import NotAsExpected, going_on_without
 
 DISTRO = os.environ.get("ROS_DISTRO") or "jazzy"
 CHUNK = 0x06  # the kind of MCAP records that hold messages
@@ -181,15 +181,13 @@ def unfinished_mcap(file: Path, records: Sequence[tuple[int, int, int]]) -> Read
 
 def add_type_hashes(reader: Reader) -> None:
     """Give the connections of an open mcap file the type hashes that its channels tell, which rosbags leaves out."""
-    try:
-        with _known("keeps an mcap file's channels"):
-            storage: Any = reader.storage
-            storage.connections = [
-                c._replace(digest=_words(storage.channels[c.id].metadata).get("topic_type_hash", ""))
-                for c in storage.connections
-            ]
-    except NotAsExpected as error:
-        say(f"{error}: bags without metadata.yaml are read without the hashes of their types")
+    without = "bags without metadata.yaml are read without the hashes of their types"
+    with going_on_without(without), _known("keeps an mcap file's channels"):
+        storage: Any = reader.storage
+        storage.connections = [
+            c._replace(digest=_words(storage.channels[c.id].metadata).get("topic_type_hash", ""))
+            for c in storage.connections
+        ]
 
 
 def _words(data: bytes) -> dict[str, str]:
