@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections.abc import Callable, Iterator
-from queue import Empty, Full, Queue
+from queue import Empty, Queue
 from typing import Any
 
 SLICE = 0.02  # seconds: how long to wait at most before the caller has a look at keys and interrupts
@@ -16,8 +17,7 @@ class ReadAhead:
 
     def __init__(self, items: Iterator[tuple[Any, int, bytes]], count: int) -> None:
         self._items = items
-        self._queue: Queue[tuple[Any, int, bytes] | None] = Queue(max(1, count))
-        self._error: Exception | None = None
+        self._queue: Queue[tuple[Any, int, bytes] | Exception | None] = Queue(max(1, count))
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._read, name="course_kit bag reader", daemon=True)
         self._thread.start()
@@ -25,20 +25,12 @@ class ReadAhead:
     def _read(self) -> None:
         try:
             for item in self._items:
-                self._put(item)
+                self._queue.put(item)
                 if self._closing.is_set():
                     return
+            self._queue.put(END)
         except Exception as error:
-            self._error = error
-        self._put(END)
-
-    def _put(self, item: tuple[Any, int, bytes] | None) -> None:
-        while not self._closing.is_set():
-            try:
-                self._queue.put(item, timeout=0.1)
-                return
-            except Full:
-                continue
+            self._queue.put(error)
 
     def wait_until_filled(self, tick: Callable[[], None]) -> None:
         """Wait until there is no room for more, or nothing more to read."""
@@ -54,11 +46,14 @@ class ReadAhead:
             except Empty:
                 tick()
                 continue
-            if item is END and self._error is not None:
-                raise self._error
+            if isinstance(item, Exception):
+                raise item
             return item
 
     def close(self) -> None:
         """End the thread."""
         self._closing.set()
+        with contextlib.suppress(Empty):
+            while True:
+                self._queue.get_nowait()  # there is room now for what the thread waits with
         self._thread.join(2.0)
