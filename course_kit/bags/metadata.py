@@ -26,14 +26,6 @@ class Span:
     end: int = 0
     count: int = 0
 
-    def described(self) -> dict[str, Any]:
-        """When it begins, how long it is and how many messages it has, in rosbag2's words."""
-        return {
-            "starting_time": {"nanoseconds_since_epoch": self.start},
-            "duration": {"nanoseconds": self.end - self.start if self.count else 0},
-            "message_count": self.count,
-        }
-
 
 def metadata_of(
     storage: str, files: Sequence[Span], topics: Sequence[Connection], custom_data: Mapping[str, str] | None = None
@@ -64,7 +56,15 @@ def metadata_of(
         "compression_format": "",
         "compression_mode": "",
         "relative_file_paths": [span.name for span in files],
-        "files": [{"path": span.name, **span.described()} for span in files],
+        "files": [
+            {
+                "path": span.name,
+                "starting_time": {"nanoseconds_since_epoch": span.start},
+                "duration": {"nanoseconds": span.end - span.start if span.count else 0},
+                "message_count": span.count,
+            }
+            for span in files
+        ],
         "custom_data": dict(custom_data) if custom_data else None,
         "ros_distro": DISTRO,
     }

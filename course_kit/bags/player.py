@@ -14,6 +14,7 @@ from typing import Any
 from rclpy.duration import Duration
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
 
 from course_kit.bags import qos as bag_qos
 from course_kit.bags.files import OpenBag
@@ -97,21 +98,15 @@ class Player:
         self.clock.is_paused = options.starts_paused
         self._ticked = 0.0
         self._steps = 0  # messages to publish while the clock is paused
-        self._clock_publisher = self._make_clock_publisher()
+        profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        clock_rate = options.clock_rate
+        self._clock_publisher = self.node.create_publisher(Clock, "/clock", profile) if clock_rate else None
         self._say(f"Set rate to {options.rate:g}")
         try:
             self.publishers = {c.topic: p for c in bag.connections if (p := self._publisher(c)) is not None}
         except Exception:
             self.node.destroy_node()
             raise
-
-    def _make_clock_publisher(self) -> Publisher | None:
-        if not self.options.clock_rate:
-            return None
-        from rosgraph_msgs.msg import Clock
-
-        profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-        return self.node.create_publisher(Clock, "/clock", profile)
 
     def _publisher(self, connection: Any) -> Publisher | None:
         topic = connection.topic
@@ -219,8 +214,6 @@ class Player:
 
     def _publish_clock(self) -> float:
         """Publish /clock if it is time for that; return the seconds until it is again."""
-        from rosgraph_msgs.msg import Clock
-
         assert self._clock_publisher is not None
         if self.clock.now() >= self._next_clock:
             message = Clock()

@@ -199,7 +199,8 @@ class Recorder:
                 f"Only topics with known type are supported. Reason: '{error}'"
             )
             return
-        digest = bag_types.type_hash(type_name) or next((_hash(endpoint) for endpoint in published), "")
+        told = (str(endpoint.topic_type_hash) for endpoint in published)
+        digest = bag_types.type_hash(type_name) or next((one for one in told if one.startswith("RIHS")), "")
         self.writer.add_topic(topic, type_name, [bag_qos.recorded(p.qos_profile) for p in published], digest=digest)
         if topic in self.overrides:
             self._say(f"Overriding subscription profile for {topic}")
@@ -252,9 +253,3 @@ class Recorder:
             topic, nanoseconds, data = queue.popleft()
             write(topic, nanoseconds, data)
             self._written += len(data)
-
-
-def _hash(endpoint: TopicEndpointInfo) -> str:
-    """The type's hash as a publisher tells it."""
-    told = getattr(endpoint, "topic_type_hash", None)
-    return str(told) if told is not None and str(told).startswith("RIHS") else ""

@@ -75,13 +75,7 @@ class BagWriter:
             announce(file, connection)
         return file
 
-    def add_topic(
-        self,
-        topic: str,
-        type_name: str,
-        qos: Sequence[Qos] = (),
-        digest: str | None = None,
-    ) -> None:
+    def add_topic(self, topic: str, type_name: str, qos: Sequence[Qos] = (), digest: str | None = None) -> None:
         """Make a topic known, with the profiles of its publishers; its type's hash is looked up if not given."""
         connection = Connection(
             len(self._connections) + 1,
