@@ -46,15 +46,7 @@ class _Running:
 _lock = threading.RLock()
 _running: dict[str, _Running] = {}
 _listeners: list[Callable[[str, str], None]] = []
-
-
-class _Constructing(threading.local):
-    """The name of the node whose constructor runs in this thread."""
-
-    name = ""
-
-
-_constructing = _Constructing()
+_constructing = threading.local()  # its `name` is that of the node whose constructor runs in this thread
 
 
 def listen(listener: Callable[[str, str], None]) -> None:

@@ -56,8 +56,8 @@ def _wait_for_future(future: FutureLike, timeout: float, what: str | None) -> An
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
     if not done.wait(timeout):
-        explain = getattr(future, "explain_wait", None)  # a process has it
-        described, hint = explain() if explain else (_describe_future(future), _hint(future))
+        explain = getattr(future, "explain_wait", lambda: _explain(future))  # a process has it
+        described, hint = explain()
         raise TimeoutError(f"{what or described} did not come within {timeout:g} s. {hint}")
     return future.result()
 
@@ -97,16 +97,14 @@ def _client_of(future: Any) -> Any:
     return None
 
 
-def _describe_future(future: FutureLike) -> str:
-    client = _client_of(future)
-    return "the result of the future" if client is None else f"the response of the service {client.srv_name}"
-
-
-def _hint(future: FutureLike) -> str:
+def _explain(future: FutureLike) -> tuple[str, str]:
+    """What a future brings, and what to look at."""
     client = _client_of(future)
     if client is None:
-        return "A future completes only while the node it belongs to runs: nodes() lists those that do."
-    kind = type_name(client.srv_type)
+        hint = "A future completes only while the node it belongs to runs: nodes() lists those that do."
+        return "the result of the future", hint
+    name, kind = client.srv_name, type_name(client.srv_type)
+    hint = f"No node offers {name} with the type {kind}: is the server running, under the same name?"
     if client.service_is_ready():
-        return "The service is there, but its callback has not returned: logs() shows its errors."
-    return f"No node offers {client.srv_name} with the type {kind}: is the server running, under the same name?"
+        hint = "The service is there, but its callback has not returned: logs() shows its errors."
+    return f"the response of the service {name}", hint
