@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 
 from course_kit import Workspace, start, wait_for
-from course_kit.colcon.colcon_output import BuildOutput
-from course_kit.colcon.workspaces import Build, BuildError
+from course_kit.colcon.colcon_output import Build
+from course_kit.colcon.workspaces import BuildError
 from course_kit.environment.activation import has_package, sourced_ros
 from course_kit.programs import processes
 from tests import packages
@@ -402,7 +402,7 @@ def test_without_make_ninja_builds(small, tmp_path):
 
 
 def test_the_lines_of_a_build_are_understood():
-    output = BuildOutput()
+    output = Build()
     lines = ["Starting >>> slow", "Starting >>> bad", "Finished <<< slow [1min 2.5s]"]
     lines += ["--- stderr: bad", "a", "", "---", "Failed   <<< bad [0.5s, exited with code 2]"]
     shown = [text for line in lines for text in output.feed(line)]
@@ -413,7 +413,7 @@ def test_the_lines_of_a_build_are_understood():
 
 
 def test_warnings_of_a_package_that_was_built_are_shown_shortly():
-    output = BuildOutput()
+    output = Build()
     shown = []
     for line in ("Starting >>> good", "--- stderr: good", *(f"w{n}" for n in range(30)), "---"):
         shown += output.feed(line)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import takewhile
 
 # What a package that was built wrote to stderr is shown up to so many lines: warnings, mostly.
 SHOWN_WARNINGS = 10
@@ -16,7 +17,7 @@ _LOG = re.compile(r"\[[\d.]+s\] |\s*$")
 _NOISE = re.compile(r"Command '\[|subprocess\.CalledProcessError")
 _BLOCK = re.compile(r"--- stderr: (\S+)")
 
-_COMPILER = re.compile(r"(fatal )?error: |undefined reference to |ld: cannot find |multiple definition of ")
+_COMPILER = re.compile(r"\S.*((fatal )?error: |undefined reference to |ld: cannot find |multiple definition of )")
 _CMAKE = re.compile(r"CMake Error")
 _INTERFACE = re.compile(r"\s*Error processing '")
 # The last line of a Python traceback, or what setuptools says in place of one.
@@ -52,18 +53,28 @@ ADVICE = (
 )
 
 
-@dataclass
-class BuildOutput:
-    """Takes the lines of a build; keeps all, gives those to show and, at the end, what happened."""
+@dataclass(repr=False)
+class Build:
+    """What a `colcon build` did. Takes the lines that it writes, keeps all, and gives those to show."""
 
-    lines: list[str] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)  # all that it wrote
     finished: dict[str, float] = field(default_factory=dict)  # package -> seconds
     failed: dict[str, str] = field(default_factory=dict)  # package -> how, as "exited with code 1"
     messages: dict[str, list[str]] = field(default_factory=dict)  # package -> what its tools said
+    status: int | None = None  # its exit status, once it has ended
+    seconds: float = 0.0
     _block: str = ""  # the package whose stderr is being listed
     _unfinished: set[str] = field(default_factory=set)
     _loose: list[str] = field(default_factory=list)  # written past colcon by a package that is not known yet
     _loose_of: dict[str, list[str]] = field(default_factory=dict)
+
+    @property
+    def ok(self) -> bool:
+        """Whether all was built."""
+        return self.status == 0
+
+    def __repr__(self) -> str:
+        return f"{len(self.finished)} built, {len(self.failed)} failed, {self.seconds:.1f} s"
 
     def feed(self, line: str) -> list[str]:
         """Take a line; return the lines to show now: a package's messages come with its end, if it was built."""
@@ -134,16 +145,13 @@ def reasons(lines: Sequence[str]) -> list[str]:
     lines = [line.replace('"<string>"', '"setup.py"') for line in lines if not _NOISE.match(line)]
     for pattern, cut in (
         (_INTERFACE, _interface_lines),
-        (_COMPILER_LINE, _compiler_lines),
+        (_COMPILER, _compiler_lines),
         (_CMAKE, _cmake_lines),
         (_PYTHON, _python_lines),
     ):
         if any(pattern.match(line) for line in lines):
             return cut(lines)
     return [line for line in lines if line.strip()][-3:]
-
-
-_COMPILER_LINE = re.compile(rf"\S.*(?:{_COMPILER.pattern})")
 
 
 def _interface_lines(lines: Sequence[str]) -> list[str]:
@@ -157,7 +165,7 @@ def _compiler_lines(lines: Sequence[str]) -> list[str]:
     """Each error with the line of source below it."""
     found: list[str] = []
     for number, line in enumerate(lines):
-        if _COMPILER_LINE.match(line) and "ld returned" not in line:
+        if _COMPILER.match(line) and "ld returned" not in line:
             found += [line, *(below for below in lines[number + 1 : number + 3] if re.match(r"\s+\d* \|", below))]
     return found
 
@@ -165,11 +173,8 @@ def _compiler_lines(lines: Sequence[str]) -> list[str]:
 def _cmake_lines(lines: Sequence[str]) -> list[str]:
     """The first error's paragraphs, without the stack of calls."""
     first = next(number for number, line in enumerate(lines) if _CMAKE.match(line))
-    found = [lines[first]]
-    for line in lines[first + 1 :]:
-        if line and not line.startswith(" "):
-            break
-        found += [line] if line.strip() else []
+    below = takewhile(lambda line: not line or line.startswith(" "), lines[first + 1 :])
+    found = [lines[first], *filter(str.strip, below)]
     errors = [line.strip() for line in found if _PYTHON.match(line.strip())]
     return errors[-1:] if any(line.strip().startswith("Traceback ") for line in found) and errors else found
 

@@ -11,11 +11,10 @@ import re
 import shutil
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from course_kit.colcon import sourcing, workspace_import
-from course_kit.colcon.colcon_output import BuildOutput
+from course_kit.colcon.colcon_output import Build
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 
@@ -28,32 +27,11 @@ class BuildError(RuntimeError):
     """A build that failed; its text says which package and why. Notebooks show no traceback for it."""
 
     def __init__(self, build: Build) -> None:
-        super().__init__(build.explanation)
+        super().__init__(build.explanation())
         self.build = build
 
     def _render_traceback_(self) -> list[str]:
         return str(self).splitlines()
-
-
-@dataclass(frozen=True)
-class Build:
-    """What a `colcon build` did."""
-
-    arguments: Sequence[str]
-    status: int  # its exit status
-    finished: dict[str, float]  # package -> seconds
-    failed: dict[str, str]  # package -> how
-    lines: list[str] = field(repr=False)  # all that it wrote
-    explanation: str = field(default="", repr=False)  # the lines that matter of one that failed
-    seconds: float = 0.0
-
-    @property
-    def ok(self) -> bool:
-        """Whether all was built."""
-        return self.status == 0
-
-    def __repr__(self) -> str:
-        return f"{len(self.finished)} built, {len(self.failed)} failed, {self.seconds:.1f} s"
 
 
 class Workspace:
@@ -113,26 +91,24 @@ class Workspace:
         Of a package that fails, only the lines that matter are shown: BuildError has them, unless `check` is False.
         An interrupt ends the build.
         """
-        output = BuildOutput()
+        build = Build()
 
         def show(line: str) -> None:
-            for shown in output.feed(line):
+            for shown in build.feed(line):
                 print(shown, flush=True)
 
         begun = time.monotonic()
         process = processes.run_through(("colcon", "build", *arguments), self.unsourced, self.folder, show)
-        status = process.wait(processes.KILL_TIMEOUT)
-        for package in output.failed:
+        build.status = process.wait(processes.KILL_TIMEOUT)
+        build.seconds = time.monotonic() - begun
+        for package in build.failed:
             log = self.folder / "log/latest_build" / package / "stdout_stderr.log"
             if log.is_file() and (said := log.read_text(errors="replace").splitlines()):
-                output.read_log(package, said)
-        explanation = output.explanation() if status else ""
-        seconds = time.monotonic() - begun
-        build = Build(arguments, status, output.finished, output.failed, output.lines, explanation, seconds)
-        if status and check:
-            raise BuildError(build)
-        if explanation:
-            print(explanation)
+                build.read_log(package, said)
+        if not build.ok:
+            if check:
+                raise BuildError(build)
+            print(build.explanation())
         elif not build.finished:
             print(f"Nothing was built. Packages in {self.src}: {', '.join(self.packages) or 'none'}.")
         return build
