@@ -122,7 +122,7 @@ def test_serialised_messages_come_with_their_info_and_what_the_middleware_says(n
         best_effort = rclpy.qos.QoSProfile(depth=1, reliability=rclpy.qos.ReliabilityPolicy.BEST_EFFORT)
         refused = node.create_publisher(String, "/serialised", best_effort)
         wait_until(lambda: look()[0].refused)
-        assert taker.refused_policy() == rclpy.qos.QoSPolicyKind.RELIABILITY
+        assert taker.take_refused().last_policy_kind == rclpy.qos.QoSPolicyKind.RELIABILITY
     taker.destroy()
     with reception.looks_at([]) as look:
         wait_until(lambda: look() or publisher.get_subscription_count() == 0)

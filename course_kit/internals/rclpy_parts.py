@@ -21,7 +21,7 @@ from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.guard_condition import GuardCondition
 from rclpy.node import Node
-from rclpy.qos import QoSPolicyKind, QoSProfile
+from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from rclpy.type_support import check_is_valid_msg_type
 
@@ -118,6 +118,8 @@ class CppTaker:
             self.missed = cpp.EventHandle(self.subscription, kinds.RCL_SUBSCRIPTION_MESSAGE_LOST)
         self.handles = (self.refused, self.missed, self.subscription)  # in the order in which they end
         self.take = functools.partial(self.subscription.take_message, message_type, True)
+        self.take_missed = self.missed.take_event  # how many messages the middleware could not deliver
+        self.take_refused = self.refused.take_event  # for which of its policies a publisher was last refused
 
     def publisher_count(self) -> int:
         """How many publishers are matched; 0 once it is destroyed."""
@@ -126,14 +128,6 @@ class CppTaker:
                 return int(self.subscription.get_publisher_count())
         except InvalidHandle:
             return 0
-
-    def lost_count(self) -> int:
-        """How many messages the middleware says it could not deliver."""
-        return int(self.missed.take_event().total_count)
-
-    def refused_policy(self) -> QoSPolicyKind:
-        """For which of its policies a publisher was last refused."""
-        return self.refused.take_event().last_policy_kind
 
     def destroy(self) -> None:
         """Have the middleware end it once nothing takes from it."""
@@ -202,9 +196,10 @@ class PublicTaker:
     def __init__(self, node: Node, message_type: Any, topic: str, qos: QoSProfile) -> None:
         self._node = node
         self.kept: deque[tuple[bytes, dict[str, Any]]] = deque()
-        self.lost: deque[Any] = deque(maxlen=1)  # what the middleware has last said of it
+        self.missed: deque[Any] = deque(maxlen=1)  # what the middleware has last said of it
         self.refused: deque[Any] = deque(maxlen=1)
-        events = SubscriptionEventCallbacks(incompatible_qos=self.refused.append, message_lost=self.lost.append)
+        self.take_missed, self.take_refused = self.missed.pop, self.refused.pop
+        events = SubscriptionEventCallbacks(incompatible_qos=self.refused.append, message_lost=self.missed.append)
         receive: Any = self._on_message  # rclpy's type hints know of no second argument
         self._subscription = node.create_subscription(
             message_type, topic, receive, qos, event_callbacks=events, raw=True
@@ -223,14 +218,6 @@ class PublicTaker:
             return int(self._subscription.get_publisher_count())
         except InvalidHandle:
             return 0
-
-    def lost_count(self) -> int:
-        """How many messages the middleware says it could not deliver."""
-        return int(self.lost.pop().total_count)
-
-    def refused_policy(self) -> QoSPolicyKind:
-        """For which of its policies a publisher was last refused."""
-        return self.refused.pop().last_policy_kind
 
     def destroy(self) -> None:
         """End the subscription."""
@@ -264,7 +251,7 @@ class PublicReception:
                 self._executor.spin_once(timeout_sec=0)
                 before, kept = kept, sum(len(taker.kept) for taker in takers)
                 idle = idle + 1 if kept == before else 0
-            return [Ready(*map(bool, (taker.kept, taker.lost, taker.refused))) for taker in takers]
+            return [Ready(*map(bool, (taker.kept, taker.missed, taker.refused))) for taker in takers]
 
         yield look
 

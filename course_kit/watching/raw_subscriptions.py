@@ -108,11 +108,11 @@ class RawSubscription:
 
     def count_lost(self) -> None:
         """Add what the middleware says it has lost."""
-        self.lost = self._lost_before + self.taker.lost_count()
+        self.lost = self._lost_before + int(self.taker.take_missed().total_count)
 
     def follow_publisher(self, on_error: Callable[[Exception], None]) -> None:
         """A publisher offers less than this subscription asks for: say so, or ask for less, then it delivers too."""
-        policy = self.taker.refused_policy()
+        policy = self.taker.take_refused().last_policy_kind
         if self._on_refused is not None:
             self._on_refused(policy)
             return
