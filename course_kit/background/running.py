@@ -81,7 +81,7 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
             raise TypeError("arguments are for the constructor: run(NodeClass, ...), not for a node that exists")
         made: Node = node
         _replace(made.get_fully_qualified_name(), unless=made)
-        if is_running(made):
+        if made in nodes():
             return node  # type: ignore[return-value]
     else:
         made_from = _recipe(node, args, kwargs)
@@ -201,11 +201,6 @@ def _end(entry: _Running) -> None:
         del _running[entry.name]
     entry.spinning.close()
     _tell("stopped", entry.name)
-
-
-def is_running(node: Node) -> bool:
-    """Whether a node runs in the background."""
-    return node in nodes()
 
 
 def nodes() -> list[Node]:

@@ -6,7 +6,9 @@ import inspect
 import textwrap
 import threading
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
+
+from rclpy.task import Future
 
 from course_kit.background import running
 from course_kit.interface_types import type_name
@@ -14,26 +16,13 @@ from course_kit.internals import going_on_without
 from course_kit.internals.rclpy_parts import pending_requests
 from course_kit.polling import wait_until
 from course_kit.programs import processes
+from course_kit.programs.child_process import Process
 from course_kit.spinning import executors
-
-
-class FutureLike(Protocol):
-    """What rclpy's futures have, and processes too."""
-
-    def done(self) -> bool:
-        """Whether it has a result or an error."""
-
-    def result(self) -> Any:
-        """The result; raises the error if it has one."""
-
-    def add_done_callback(self, callback: Callable[[Any], None]) -> None:
-        """Have a function called with it once it is done."""
-
 
 POLL = 0.01  # seconds between two looks at a condition
 
 
-def wait_for(awaited: FutureLike | Callable[[], Any], timeout: float = 5.0, what: str | None = None) -> Any:
+def wait_for(awaited: Future | Process | Callable[[], Any], timeout: float = 5.0, what: str | None = None) -> Any:
     """Wait for a future's result, or until a condition is true; return the result or the condition's value.
 
     Of a process that start() returned, wait for the end; return its exit status.
@@ -52,7 +41,7 @@ def wait_for(awaited: FutureLike | Callable[[], Any], timeout: float = 5.0, what
     return _wait_for_condition(awaited, timeout, what)
 
 
-def _wait_for_future(future: FutureLike, timeout: float, what: str | None) -> Any:
+def _wait_for_future(future: Future | Process, timeout: float, what: str | None) -> Any:
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
     if not done.wait(timeout):
@@ -97,7 +86,7 @@ def _client_of(future: Any) -> Any:
     return None
 
 
-def _explain(future: FutureLike) -> tuple[str, str]:
+def _explain(future: Any) -> tuple[str, str]:
     """What a future brings, and what to look at."""
     client = _client_of(future)
     if client is None:
