@@ -10,7 +10,7 @@ import contextlib
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -66,17 +66,13 @@ def release() -> None:
         print(f"course_kit: {line}", file=sys.stderr)
 
 
-def package_version(package: str, prefixes: Iterable[str | Path] | None = None) -> str:
-    """The version of a ROS package, from its package.xml in the first of these prefixes; '' where there is none."""
-    if prefixes is None:
-        prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    for prefix in prefixes:
-        try:
+def package_version(package: str) -> str:
+    """The version of a ROS package, from its package.xml; '' where there is none."""
+    for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):
+        with contextlib.suppress(OSError):
             text = Path(prefix, "share", package, "package.xml").read_text(encoding="utf-8")
-        except OSError:
-            continue
-        found = re.search(r"<version[^>]*>\s*([\w.]+)\s*</version>", text)
-        return found[1] if found else ""
+            found = re.search(r"<version[^>]*>\s*([\w.]+)\s*</version>", text)
+            return found[1] if found else ""
     return ""
 
 
