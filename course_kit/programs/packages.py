@@ -5,39 +5,20 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-INDEX = Path("share/ament_index/resource_index/packages")
-
-
-class PackageNotFoundError(KeyError):
-    """No prefix has the package; prints as the one of ament_index_python does, in quotes."""
-
-    def __init__(self, name: str) -> None:
-        super().__init__(f"package '{name}' not found, searching: {[str(p) for p in prefixes()]}")
-
-
-def prefixes() -> list[Path]:
-    """The folders of AMENT_PREFIX_PATH that exist; of two with the same package the first one counts."""
-    entries = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    return [Path(entry) for entry in entries if entry and os.path.isdir(entry)]
+from ament_index_python import PackageNotFoundError, get_package_prefix, get_packages_with_prefixes, get_search_paths
 
 
 def package_names() -> list[str]:
     """The names of all packages, sorted."""
-    names: set[str] = set()
-    for prefix in prefixes():
-        index = prefix / INDEX
-        if index.is_dir():
-            names.update(p.name for p in index.iterdir() if not p.name.startswith(".") and not p.is_dir())
-    return sorted(names)
+    return sorted(get_packages_with_prefixes())
 
 
 def package_prefix(name: str) -> str:
     """The prefix that a package is installed to. PackageNotFoundError if no prefix has it."""
-    if name and name == os.path.basename(name):
-        for prefix in prefixes():
-            if (prefix / INDEX / name).is_file():
-                return str(prefix)
-    raise PackageNotFoundError(name)
+    try:
+        return get_package_prefix(name)
+    except ValueError:  # what cannot be the name of a package
+        raise PackageNotFoundError(f"package '{name}' not found, searching: {get_search_paths()}") from None
 
 
 def share_directory(name: str) -> str:

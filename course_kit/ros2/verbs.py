@@ -6,14 +6,16 @@ import difflib
 from argparse import SUPPRESS, Namespace
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.kernel import in_kernel
+from course_kit.programs import packages
 
 if TYPE_CHECKING:
     from course_kit.ros2.session import Session
 
 Arguments = Callable[[Any], object]  # adds arguments to a parser, or to a group of one
+Found = TypeVar("Found")
 
 
 class Verb:
@@ -56,6 +58,14 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     same_end = [c for c in candidates if last and c.rsplit("/", 1)[-1] == last]
     near = same_end or difflib.get_close_matches(name, candidates, n=1)
     return f"Did you mean {near[0]}?" if near else None
+
+
+def of_package(look: Callable[[str], Found], name: str, message: str = "Package '{}' not found") -> Found:
+    """What a look-up of a package gives; a failure of the verb if there is no such package."""
+    try:
+        return look(name)
+    except LookupError as reason:
+        raise CommandError(message.format(name, reason), did_you_mean(name, packages.package_names())) from None
 
 
 def argument(names: str, help: str, offer: Callable[..., list[str]] | None = None, **settings: Any) -> Arguments:

@@ -9,6 +9,8 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Any
 
+from ament_index_python import get_resource, get_resources
+
 from course_kit.programs import packages
 from course_kit.ros2.completion import offering
 from course_kit.ros2.interface import text
@@ -16,19 +18,13 @@ from course_kit.ros2.interface.text import KINDS
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import Arguments, CommandError, Verb, all_of, argument, did_you_mean, failing, flag, one_of
 
-INDEX = os.path.join("share", "ament_index", "resource_index", "rosidl_interfaces")
+INDEX = "rosidl_interfaces"
 HEADINGS = {"msg": "Messages:", "srv": "Services:", "action": "Actions:"}
 
 
 def installed() -> dict[str, list[str]]:
     """{package: ['msg/String', ...]} of every package that has interfaces, sorted; of two the first prefix counts."""
-    found: dict[str, list[str]] = {}
-    for prefix in packages.prefixes():
-        index = prefix / INDEX
-        for package in sorted(os.listdir(index)) if index.is_dir() else ():
-            if package not in found and not package.startswith("."):
-                found[package] = _names((index / package).read_text())
-    return dict(sorted(found.items()))
+    return {package: _names(get_resource(INDEX, package)[0]) for package in sorted(get_resources(INDEX))}
 
 
 def _names(listing: str) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from argparse import Namespace
-from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -12,18 +11,10 @@ from typing import Any
 from course_kit.programs import packages
 from course_kit.ros2.completion import package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, flag
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, flag, of_package
 
 NOT_FOUND = "Package not found"
 NAME = argument("package_name", "the package", package_names)
-
-
-def _found(look: Callable[[str], Any], name: str, message: str = NOT_FOUND) -> Any:
-    """What a look-up of a package gives; a failure of the verb if there is no such package."""
-    try:
-        return look(name)
-    except LookupError:
-        raise CommandError(message, did_you_mean(name, packages.package_names())) from None
 
 
 def _list(args: Namespace, session: Session) -> None:
@@ -33,20 +24,20 @@ def _list(args: Namespace, session: Session) -> None:
 
 def _prefix(args: Namespace, session: Session) -> None:
     look = packages.share_directory if args.share else packages.package_prefix
-    session.print(_found(look, args.package_name))
+    session.print(of_package(look, args.package_name, NOT_FOUND))
 
 
 def _executables(args: Namespace, session: Session) -> None:
     wanted = args.package_name
     for name in packages.package_names() if wanted is None else [wanted]:
-        for path in sorted(_found(packages.executables, name, f"Package '{name}' not found"), key=str):
+        for path in sorted(of_package(packages.executables, name), key=str):
             session.print(str(path) if args.full_path else f"{name} {path.name}")
 
 
 def _xml(args: Namespace, session: Session) -> None:
     import xml.etree.ElementTree as ElementTree
 
-    path = os.path.join(_found(packages.share_directory, args.package_name), "package.xml")
+    path = os.path.join(of_package(packages.share_directory, args.package_name, NOT_FOUND), "package.xml")
     if not os.path.isfile(path):
         raise CommandError("Package xml manifest not found")
     try:
