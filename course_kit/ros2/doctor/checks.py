@@ -4,35 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 # Topics that every node has, and that need no partner.
 PARTNERLESS = frozenset({"/parameter_events", "/rosout"})
-
-
-@dataclass(frozen=True)
-class Finding:
-    """Something that is not as it should be; a check with an error has failed."""
-
-    text: str
-    is_error: bool = False
-
-    def __str__(self) -> str:
-        return f"UserWarning: {'ERROR: ' if self.is_error else ''}{self.text}"
-
-
-@dataclass(frozen=True)
-class Interface:
-    """A network interface: its flags in lower case, and its other properties as they are reported."""
-
-    name: str
-    flags: str = ""
-    mtu: int | None = None
-    inet: tuple[str, ...] = ()
-    inet6: tuple[str, ...] = ()
-    ether: str | None = None
-    netmask: str | None = None
-    broadcast: str | None = None
-
+ERROR = "ERROR: "  # what a finding begins with by which its check has failed; others are warnings
 
 # What the index says of the distribution that the course is for; it is not looked up, for that takes a network.
 KNOWN: dict[str, dict[str, object]] = {
@@ -70,7 +46,7 @@ class Pair:
 class System:
     """All that is looked at."""
 
-    interfaces: Sequence[Interface]
+    interfaces: Sequence[Mapping[str, Any]]  # the properties of each that are reported, by their names
     packages: Mapping[str, str]  # the version of each; empty if its package.xml has none
     distro: str
     middleware: str
@@ -78,58 +54,58 @@ class System:
     pairs: Sequence[Pair]
 
 
-def network(system: System) -> Iterator[Finding]:
+def network(system: System) -> Iterator[str]:
     """Whether there is a loopback interface, another one, and one for multicast."""
-    flags = [set(interface.flags.split(",")) for interface in system.interfaces]
-    if not any("loopback" in f for f in flags):
-        yield Finding("No loopback IP address is found.", is_error=True)
-    if all("loopback" in f for f in flags):
-        yield Finding("Only loopback IP address is found.")
-    if not any("multicast" in f for f in flags):
-        yield Finding("No multicast IP address is found.")
+    flags = [interface.get("flags", "").split(",") for interface in system.interfaces]
+    if not any("LOOPBACK" in f for f in flags):
+        yield f"{ERROR}No loopback IP address is found."
+    if all("LOOPBACK" in f for f in flags):
+        yield "Only loopback IP address is found."
+    if not any("MULTICAST" in f for f in flags):
+        yield "No multicast IP address is found."
 
 
-def package(system: System) -> Iterator[Finding]:
+def package(system: System) -> Iterator[str]:
     """Whether packages are found, with their versions."""
     if not system.packages:
-        yield Finding("local package info is not found.", is_error=True)
+        yield f"{ERROR}local package info is not found."
     if names := " ".join(name for name, version in system.packages.items() if not version):
         shown = names if len(names) <= 100 else f"{names[:95].rsplit(' ', 1)[0]} [...]"
-        yield Finding(f"Cannot find local versions of packages: {shown}. Use `ros2 doctor --report` to see full list.")
+        yield f"Cannot find local versions of packages: {shown}. Use `ros2 doctor --report` to see full list."
 
 
-def platform(system: System) -> Iterator[Finding]:
+def platform(system: System) -> Iterator[str]:
     """Whether the distribution is known and supported."""
     if not system.distro:
-        yield Finding("ROS_DISTRO is not set.", is_error=True)
+        yield f"{ERROR}ROS_DISTRO is not set."
     elif system.distro not in KNOWN:
-        yield Finding(f"Distribution name {system.distro} is not found", is_error=True)
+        yield f"{ERROR}Distribution name {system.distro} is not found"
 
 
-def middleware(system: System) -> Iterator[Finding]:
+def middleware(system: System) -> Iterator[str]:
     """Publishers and subscriptions whose QoS does not fit."""
     for pair in system.pairs:
         if pair.reason:
             kind, _, reason = pair.reason.partition(": ")
-            text = f"QoS compatibility {kind.lower()} found on topic '{pair.topic}': {reason}"
-            yield Finding(text, kind == "ERROR")
+            prefix = ERROR if kind == "ERROR" else ""
+            yield f"{prefix}QoS compatibility {kind.lower()} found on topic '{pair.topic}': {reason}"
 
 
-def topic(system: System) -> Iterator[Finding]:
+def topic(system: System) -> Iterator[str]:
     """Topics that only publishers have, or only subscriptions."""
     for one in system.topics:
         if one.publishers and not one.subscribers:
-            yield Finding(f"Publisher without subscriber detected on {one.name}.")
+            yield f"Publisher without subscriber detected on {one.name}."
         elif one.subscribers and not one.publishers:
-            yield Finding(f"Subscriber without publisher detected on {one.name}.")
+            yield f"Subscriber without publisher detected on {one.name}."
 
 
 CHECKS = {"network": network, "package": package, "platform": platform, "middleware": middleware, "topic": topic}
 
 
-def failed(findings: Mapping[str, Sequence[Finding]], include_warnings: bool) -> list[str]:
+def failed(findings: Mapping[str, Sequence[str]], include_warnings: bool) -> list[str]:
     """The modules whose check has failed."""
-    return [name for name, found in findings.items() if any(f.is_error or include_warnings for f in found)]
+    return [name for name, found in findings.items() if any(include_warnings or f.startswith(ERROR) for f in found)]
 
 
 def summary(total: int, failed_modules: Sequence[str]) -> str:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.programs import packages
 from course_kit.ros2.doctor import checks, report
-from course_kit.ros2.doctor.checks import Interface, Pair, System, Topic
+from course_kit.ros2.doctor.checks import Pair, System, Topic
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import Verb, flag, one_of
 
@@ -24,18 +24,15 @@ if TYPE_CHECKING:
 
 def _doctor(args: Namespace, session: Session) -> None:
     system = _look(session)
-    with_packages = not args.exclude_packages
-    if args.report:
-        for section in report.sections(system, with_packages=with_packages):
-            session.print(str(section))
-        return
-    findings = {n: list(check(system)) for n, check in checks.CHECKS.items() if with_packages or n != "package"}
-    for line in dict.fromkeys(str(finding) for found in findings.values() for finding in found):
-        session.warn(line)
-    failed = checks.failed(findings, args.include_warnings)
-    session.print(checks.summary(len(findings), failed))
-    if args.report_failed and failed:
-        for section in report.sections(system, failed, with_packages):
+    modules = [name for name in checks.CHECKS if name != "package" or not args.exclude_packages]
+    if not args.report:
+        findings = {name: list(checks.CHECKS[name](system)) for name in modules}
+        for finding in dict.fromkeys(finding for found in findings.values() for finding in found):
+            session.warn(f"UserWarning: {finding}")
+        modules = checks.failed(findings, args.include_warnings)
+        session.print(checks.summary(len(findings), modules))
+    if args.report or args.report_failed:
+        for section in report.sections(system, modules):
             session.print(str(section))
 
 
@@ -47,7 +44,7 @@ def _look(session: Session) -> System:
     versions = {name: _version(name) for name in packages.package_names()}
     topics = list(_topics(node))
     return System(
-        interfaces=list(_interfaces()),
+        interfaces=list(interfaces()),
         packages=versions,
         distro=_distro(versions),
         middleware=get_rmw_implementation_identifier(),
@@ -56,7 +53,8 @@ def _look(session: Session) -> System:
     )
 
 
-def _interfaces() -> Iterator[Interface]:
+def interfaces() -> Iterator[dict[str, Any]]:
+    """What is reported of each network interface, by the name of the property."""
     import socket
 
     import psutil  # type: ignore[import-untyped]
@@ -68,16 +66,18 @@ def _interfaces() -> Iterator[Interface]:
             of[address.family].append(address)
         inet, stat = of[socket.AF_INET], stats.get(name)
         ether = [a.address for a in of[psutil.AF_LINK] if a.address != "00:00:00:00:00:00"]
-        yield Interface(
-            name,
-            flags=stat.flags if stat else "",
-            mtu=stat.mtu if stat else None,
-            inet=tuple(a.address for a in inet),
-            inet6=tuple(a.address for a in of[socket.AF_INET6]),
-            ether=ether[-1] if ether else None,
-            netmask=inet[-1].netmask if inet else None,
-            broadcast=inet[-1].broadcast if inet else None,
-        )
+        properties = {
+            "inet": inet[-1].address if inet else None,
+            "inet4": [a.address for a in inet],
+            "ether": ether[-1] if ether else None,
+            "inet6": [a.address for a in of[socket.AF_INET6]],
+            "netmask": inet[-1].netmask if inet else None,
+            "device": name,
+            "flags": stat.flags.upper() if stat else None,
+            "mtu": stat.mtu if stat else None,
+            "broadcast": inet[-1].broadcast if inet else None,
+        }
+        yield {key: value for key, value in properties.items() if value}
 
 
 def _version(package: str) -> str:

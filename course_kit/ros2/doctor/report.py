@@ -6,7 +6,7 @@ import platform
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 
-from course_kit.ros2.doctor.checks import KNOWN, Interface, System
+from course_kit.ros2.doctor.checks import KNOWN, System
 
 LEAST_WIDTH = 8  # of the column of names; names as long as that get GAP more
 GAP = 4
@@ -27,36 +27,19 @@ class Section:
         return "\n".join([f"\n   {self.title}", *(f"{name:{width}}: {value}" for name, value in self.items)])
 
 
-def sections(system: System, modules: Collection[str] = (), with_packages: bool = True) -> list[Section]:
-    """The sections of some modules, of all if none is named."""
+def sections(system: System, modules: Collection[str]) -> list[Section]:
+    """The sections of some modules."""
     distribution = KNOWN.get(system.distro, {"distribution name": system.distro or "unknown"})
     everything = [
-        Section("network", "NETWORK CONFIGURATION", list(_network(system.interfaces))),
-        Section("package", "PACKAGE VERSIONS", list(_packages(system)) if with_packages else []),
+        Section("network", "NETWORK CONFIGURATION", [pair for one in system.interfaces for pair in one.items()]),
+        Section("package", "PACKAGE VERSIONS", list(_packages(system))),
         Section("platform", "PLATFORM INFORMATION", _platform()),
         Section("middleware", "QOS COMPATIBILITY LIST", list(_qos(system))),
         Section("middleware", "RMW MIDDLEWARE", [("middleware name", system.middleware)]),
         Section("platform", "ROS 2 INFORMATION", list(distribution.items())),
         Section("topic", "TOPIC LIST", list(_topics(system))),
     ]
-    wanted = (s for s in everything if with_packages or s.module != "package")
-    return [section for section in wanted if not modules or section.module in modules]
-
-
-def _network(interfaces: Sequence[Interface]) -> Iterator[tuple[str, object]]:
-    for interface in interfaces:
-        items = [
-            ("inet", interface.inet[-1] if interface.inet else None),
-            ("inet4", list(interface.inet)),
-            ("ether", interface.ether),
-            ("inet6", list(interface.inet6)),
-            ("netmask", interface.netmask),
-            ("device", interface.name),
-            ("flags", interface.flags.upper()),
-            ("mtu", interface.mtu),
-            ("broadcast", interface.broadcast),
-        ]
-        yield from ((name, value) for name, value in items if value)
+    return [section for section in everything if section.module in modules]
 
 
 def _packages(system: System) -> Iterator[tuple[str, object]]:
