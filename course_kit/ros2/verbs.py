@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
-from argparse import SUPPRESS, Namespace
+from argparse import SUPPRESS, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from course_kit.kernel import in_kernel
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Arguments = Callable[[Any], object]  # adds arguments to a parser, or to a group of one
 Found = TypeVar("Found")
+Number = TypeVar("Number", int, float)
 
 
 class Verb:
@@ -37,7 +38,7 @@ class CommandError(Exception):
         self.status = status
 
 
-@contextmanager
+@contextlib.contextmanager
 def failing(*kinds: type[Exception], say: Callable[[Exception], str] = str) -> Iterator[None]:
     """Exceptions of these kinds in the block are failures of the verb; `say` makes the line of them."""
     try:
@@ -95,6 +96,23 @@ def all_of(*arguments: Arguments) -> Arguments:
 def one_of(*arguments: Arguments) -> Arguments:
     """Arguments of which a command line has one at most."""
     return lambda parser: all_of(*arguments)(parser.add_mutually_exclusive_group())
+
+
+def number(
+    kind: Callable[[str], Number], is_valid: Callable[[Number], bool], refusal: str
+) -> Callable[[str], Number]:
+    """A type of argparse: a number that `is_valid`; `refusal` is what the real command says of another text."""
+
+    def convert(text: str) -> Number:
+        with contextlib.suppress(ValueError):
+            if is_valid(value := kind(text)):
+                return value
+        raise ArgumentTypeError(refusal.format(text))
+
+    return convert
+
+
+positive_float = number(float, lambda value: value > 0, "invalid positive_float value: {!r}")
 
 
 def yaml_values(name: str, example: str) -> Arguments:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.bag import options
 from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failing_with
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import Verb, argument, duration, flag
+from course_kit.ros2.verbs import Verb, argument, duration, flag, number
 
 if TYPE_CHECKING:
     from course_kit.bags.files import OpenBag
@@ -35,23 +35,15 @@ KEY_LINES = (
 )
 
 
-def _number(is_valid: Callable[[float], bool], refusal: str) -> Callable[[str], float]:
-    """A type of argparse, with rosbag2's messages."""
-
-    def convert(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            raise ArgumentTypeError(f"{text} is not the valid type (float)") from None
-        if not is_valid(value):
-            raise ArgumentTypeError(refusal.format(text))
-        return value
-
-    return convert
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text} is not the valid type (float)") from None
 
 
-_positive = _number(lambda value: value > 0, "{} is not in the valid range (> 0.0)")
-_not_negative = _number(lambda value: value >= 0, "Value {} is less than zero.")
+_positive = number(_float, lambda value: value > 0, "{} is not in the valid range (> 0.0)")
+_not_negative = number(_float, lambda value: value >= 0, "Value {} is less than zero.")
 
 
 def _play(args: Namespace, session: Session) -> int:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentError, Namespace
 from collections.abc import Sequence
 from typing import Any
 
@@ -102,19 +101,15 @@ def _packages(args: Namespace, session: Session) -> None:
         session.print(name)
 
 
-class _FromStdin(argparse.Action):
-    """An argument that is read from stdin when it is given as '-'."""
-
-    def __call__(
-        self, parser: ArgumentParser, namespace: Namespace, values: Any, option_string: str | None = None
-    ) -> None:
-        if values == "-":
-            if sys.stdin is None or sys.stdin.isatty():
-                parser.error("expected stdin pipe")
-            values = sys.stdin.readline().strip()
-        if not values:
-            parser.error("the passed value is empty")
-        setattr(namespace, self.dest, values)
+def _or_from_stdin(text: str) -> str:
+    """A type of argparse: an argument that is read from stdin when it is given as '-'."""
+    if text == "-":
+        if sys.stdin is None or sys.stdin.isatty():
+            raise ArgumentError(None, "expected stdin pipe")
+        text = sys.stdin.readline().strip()
+    if not text:
+        raise ArgumentError(None, "the passed value is empty")
+    return text
 
 
 def _show(args: Namespace, session: Session) -> None:
@@ -180,6 +175,6 @@ VERBS = {
             flag("--all-comments", "also the comments of the types inside it"),
             flag("--no-comments", "no comments, no empty lines"),
         ),
-        _type("std_msgs/msg/String; - reads it from the standard input", action=_FromStdin),
+        _type("std_msgs/msg/String; - reads it from the standard input", type=_or_from_stdin),
     ),
 }

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from argparse import ArgumentTypeError, Namespace
+from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -18,18 +18,11 @@ from typing import Any
 from course_kit.ros2.named import TOPICS
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import GRAPH, Verb, argument, duration, failing, flag
+from course_kit.ros2.verbs import GRAPH, Verb, argument, duration, failing, flag, number, positive_float
 
 TRUNCATE_LENGTH = 128
 WAITING = 1000  # messages that may wait to be printed
 TICK = 0.02  # seconds without a message after which other things are looked at
-
-
-def unsigned_int(text: str) -> int:
-    """A type of argparse, with the real command's message."""
-    if not text.isdigit():
-        raise ArgumentTypeError("value must be non-negative integer")
-    return int(text)
 
 
 def _run(args: Namespace, session: Session) -> None:
@@ -140,7 +133,7 @@ ECHO = Verb(
     argument(
         "--truncate-length -l",
         f"how much of an array or a string is shown before '...' (default: {TRUNCATE_LENGTH})",
-        type=unsigned_int,
+        type=number(int, lambda value: value >= 0, "value must be non-negative integer"),
         default=TRUNCATE_LENGTH,
     ),
     flag("--no-arr", "only type and length of arrays"),
@@ -150,7 +143,7 @@ ECHO = Verb(
     flag("--raw", "the bytes as they come, not decoded"),
     argument("--filter", "only messages m for which this Python expression is true", dest="filter_expr"),
     flag("--once", "end after the first message"),
-    argument("--timeout", "end after N seconds", metavar="N", type=endpoints.positive_float),
+    argument("--timeout", "end after N seconds", metavar="N", type=positive_float),
     flag("--include-message-info -i", "with when each message was sent and received"),
     duration,
 )

@@ -94,14 +94,6 @@ def mixed_offers(published: Sequence[TopicEndpointInfo]) -> list[str]:
     return lines
 
 
-def positive_float(text: str) -> float:
-    """A type of argparse, whose message names the function."""
-    value = float(text)
-    if value <= 0:
-        raise ValueError
-    return value
-
-
 def full_name(topic: str) -> str:
     """The full name of a topic. Raises CommandError for what cannot be one."""
     from course_kit.watching import topics

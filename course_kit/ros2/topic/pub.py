@@ -22,20 +22,16 @@ from course_kit.ros2.verbs import (
     duration,
     failing,
     flag,
+    number,
     one_of,
+    positive_float,
     yaml_values,
 )
 
 MATCH_TIME = 0.2  # seconds in which subscriptions that are known are matched, before the user is told of a wait
 REMIND_PERIOD = 1.0  # seconds between two lines while it waits
 
-
-def nonnegative_int(text: str) -> int:
-    """A type of argparse, whose message names the function."""
-    value = int(text)
-    if value < 0:
-        raise ValueError
-    return value
+_count = number(int, lambda value: value >= 0, "invalid nonnegative_int value: {!r}")
 
 
 def _run(args: Namespace, session: Session) -> None:
@@ -158,23 +154,23 @@ PUB = Verb(
     TOPICS.name,
     TOPICS.typed("message_type"),
     yaml_values("values", "{linear: {x: 2.0}}"),
-    argument("-r --rate", "so many a second (default: 1)", metavar="N", type=endpoints.positive_float, default=1.0),
+    argument("-r --rate", "so many a second (default: 1)", metavar="N", type=positive_float, default=1.0),
     argument("-p --print", "show every Nth message, none with 0 (default: 1)", metavar="N", type=int, default=1),
     one_of(
         flag("-1 --once", "publish one message and end"),
-        argument("-t --times", "publish it so many times and end", type=nonnegative_int, default=0),
+        argument("-t --times", "publish it so many times and end", type=_count, default=0),
     ),
     argument(
         "-w --wait-matching-subscriptions",
         "begin when there are so many subscriptions (default: 1 with --once and --times, else 0)",
-        type=nonnegative_int,
+        type=_count,
     ),
-    argument("--max-wait-time-secs", "wait so long for them (default: for ever)", type=endpoints.positive_float),
+    argument("--max-wait-time-secs", "wait so long for them (default: for ever)", type=positive_float),
     argument(
         "--keep-alive",
         "stay for N seconds after the last message (default: 0.1)",
         metavar="N",
-        type=endpoints.positive_float,
+        type=positive_float,
         default=0.1,
     ),
     argument("-n --node-name", "the name of the node that publishes"),

@@ -7,7 +7,7 @@ callback for each message could not follow. Only hz with --filter, and delay, wh
 from __future__ import annotations
 
 import time
-from argparse import ArgumentTypeError, Namespace
+from argparse import Namespace
 from collections import deque
 from collections.abc import Callable
 from contextlib import closing
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.completion import names_of
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import NODE, Arguments, CommandError, Verb, all_of, argument, duration, failing, flag
+from course_kit.ros2.verbs import NODE, Arguments, CommandError, Verb, all_of, argument, duration, failing, flag, number
 
 if TYPE_CHECKING:
     from course_kit.recordings.measure import Spread
@@ -24,11 +24,7 @@ if TYPE_CHECKING:
 
 PERIOD = 1.0  # seconds between two lines
 
-
-def _positive_int(text: str) -> int:
-    if not text.isdigit() or int(text) == 0:
-        raise ArgumentTypeError("value must be a positive integer")
-    return int(text)
+_count = number(int, lambda value: value > 0, "value must be a positive integer")
 
 
 def bw_text(bytes_per_second: float, size: Spread, window: int) -> str:
@@ -143,9 +139,7 @@ def _measured(topic: str, window: int, *more: Arguments) -> Arguments:
     """The arguments of all three; `topic` is what the usage calls it."""
     return all_of(
         argument(topic, "the topic, such as /scan", names_of("topic")),
-        argument(
-            "--window -w", f"over the last so many messages (default: {window})", type=_positive_int, default=window
-        ),
+        argument("--window -w", f"over the last so many messages (default: {window})", type=_count, default=window),
         *more,
         NODE,
         duration,
