@@ -6,10 +6,10 @@ import contextlib
 import os
 import signal
 import subprocess
-import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from argparse import Namespace
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
@@ -102,7 +102,8 @@ def _streamed(cmd: Sequence[str], session: Session, environment: dict[str, str])
     except (KeyboardInterrupt, DurationOver) as why:
         duration_over = isinstance(why, DurationOver)
         _signal_session(process, signal.SIGINT)
-        _write(_arriving(lines))
+        with contextlib.suppress(DurationOver):
+            _write(Session(Namespace(duration=END_TIMEOUT)).items(lines))
     finally:
         if process.poll() is None:
             _signal_session(process, signal.SIGKILL)
@@ -122,14 +123,6 @@ def _write(lines: Iterable[Callable[[], None] | None]) -> None:
         if write is None:
             return
         write()
-
-
-def _arriving(lines: Lines) -> Iterator[Callable[[], None] | None]:
-    """What still comes, within END_TIMEOUT."""
-    deadline = time.monotonic() + END_TIMEOUT
-    while (left := deadline - time.monotonic()) > 0:
-        with contextlib.suppress(Empty):
-            yield lines.get(timeout=min(left, 0.1))  # short, for a second interrupt to come through
 
 
 def _signal_session(process: subprocess.Popen[bytes], number: signal.Signals) -> None:

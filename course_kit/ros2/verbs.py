@@ -39,7 +39,7 @@ class CommandError(Exception):
 
 
 @contextlib.contextmanager
-def failing(*kinds: type[Exception], say: Callable[[Exception], str] = str) -> Iterator[None]:
+def failing(*kinds: type[BaseException], say: Callable[[Any], str] = str) -> Iterator[None]:
     """Exceptions of these kinds in the block are failures of the verb; `say` makes the line of them."""
     try:
         yield
@@ -98,9 +98,7 @@ def one_of(*arguments: Arguments) -> Arguments:
     return lambda parser: all_of(*arguments)(parser.add_mutually_exclusive_group())
 
 
-def number(
-    kind: Callable[[str], Number], is_valid: Callable[[Number], bool], refusal: str
-) -> Callable[[str], Number]:
+def number(kind: Callable[[str], Number], is_valid: Callable[[Number], bool], refusal: str) -> Callable[[str], Number]:
     """A type of argparse: a number that `is_valid`; `refusal` is what the real command says of another text."""
 
     def convert(text: str) -> Number:

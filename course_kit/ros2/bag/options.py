@@ -6,7 +6,7 @@ import os
 import re
 import sys
 from argparse import ArgumentTypeError, Namespace
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,9 +57,9 @@ def failed(text: str) -> CommandError:
     return CommandError(ERROR.format(text))
 
 
-def failing_with(*kinds: type[Exception]) -> AbstractContextManager[None]:
+def failing_with(*kinds: type[Exception], say: Callable[[Any], str] = str) -> AbstractContextManager[None]:
     """Exceptions of these kinds are failures in rosbag2's words."""
-    return failing(*kinds, say=ERROR.format)
+    return failing(*kinds, say=lambda error: ERROR.format(say(error)))
 
 
 def unfinished(path: str, count: int) -> str:
@@ -84,7 +84,7 @@ def qos_overrides(path: str | None) -> dict[str, QoSProfile]:
     from course_kit.bags import qos as bag_qos
 
     with (
-        failing(yaml.YAMLError, say=lambda error: ERROR.format(f"'{path}' is no YAML: {one_line(error)}")),
+        failing_with(yaml.YAMLError, say=lambda error: f"'{path}' is no YAML: {one_line(error)}"),
         failing_with(OSError, ValueError),
         open(path, encoding="utf-8") as file,
     ):
@@ -96,11 +96,9 @@ def selection(args: Namespace, names: Sequence[str], every: bool, **more: Any) -
     from course_kit.bags.selection import Selection
     from course_kit.watching import topics
 
-    for pattern in (args.regex, args.exclude_regex):
-        try:
+    with failing_with(re.error, say=lambda error: f"'{error.pattern}' is no regular expression: {error}"):
+        for pattern in (args.regex, args.exclude_regex):
             re.compile(pattern)
-        except re.error as error:
-            raise failed(f"'{pattern}' is no regular expression: {error}") from None
     with failing_with(ValueError):
         return Selection(
             [topics.absolute(name) for name in names],

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.bag import options
-from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failed
+from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failed, failing_with
 from course_kit.ros2.completion import names_of
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import Arguments, Verb, argument, duration, flag, one_of
@@ -55,22 +55,14 @@ def _record(args: Namespace, session: Session) -> int:
         session.graph()  # what is there is all that will be recorded
     has_keys = not (session.in_notebook or args.disable_keyboard_controls)
     with keys(has_keys) as pressed:
-        try:
-            custom = dict(pair.partition("=")[::2] for pair in args.custom_data)
+        custom = dict(pair.partition("=")[::2] for pair in args.custom_data)
+        with (
+            failing_with(BagError),
+            failing_with(OSError, say=lambda error: f"Could not create bag folder '{folder}': {error.strerror}"),
+        ):
             writer = BagWriter(folder, args.storage, args.max_bag_size, args.max_bag_duration, custom)
-        except OSError as error:
-            raise failed(f"Could not create bag folder '{folder}': {error.strerror}") from None
-        except BagError as error:
-            raise failed(str(error)) from None
-        recorder = Recorder(
-            writer,
-            selection,
-            overrides,
-            args.node_name,
-            max(0.01, args.polling_interval / 1000),
-            looks_on=not args.no_discovery,
-            is_paused=args.start_paused,
-        )
+        period, looks_on = max(0.01, args.polling_interval / 1000), not args.no_discovery
+        recorder = Recorder(writer, selection, overrides, args.node_name, period, looks_on, args.start_paused)
         if has_keys:
             recorder.log.put(BagLogLine("INFO", args.node_name, "Press SPACE for pausing/resuming", time.time_ns()))
         return _run(recorder, pressed, session, args.log_level)

@@ -14,7 +14,7 @@ from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.completion import offering
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, flag, of_package, one_of
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, failing, flag, of_package, one_of
 
 FLAGS = ("noninteractive", "debug", "print", "show_args", "show_all_subprocesses_output")
 EXTENSIONS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
@@ -139,10 +139,8 @@ def _describe(path: str, args: Namespace, session: Session) -> None:
     from course_kit.launching.describing import arguments_text, description_text
     from course_kit.launching.include import load_launch_file
 
-    try:
+    with failing(Exception, SystemExit):  # whatever the launch file does
         description = load_launch_file(path)
-    except (Exception, SystemExit) as error:
-        raise CommandError(str(error)) from None
     session.print(description_text(description) if args.print else arguments_text(description))
 
 

@@ -161,7 +161,7 @@ def _load(args: Namespace, session: Session) -> None:
     node = _found_node(args, session)
     file = args.parameter_file
     with (
-        failing(OSError, say=lambda error: f"{getattr(error, 'strerror', error)}: '{file}'"),
+        failing(OSError, say=lambda error: f"{error.strerror}: '{file}'"),
         failing(yaml.YAMLError, say=lambda error: f"{file} is no YAML: {one_line(error)}"),
         failing(RuntimeError, AttributeError, TypeError),
     ):

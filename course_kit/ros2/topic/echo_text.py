@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import yaml
+
 from course_kit.interface_types import steps
 from course_kit.ros2.messages.yaml_text import Shown, to_csv, to_yaml
 from course_kit.ros2.verbs import CommandError, failing, one_line
@@ -55,13 +57,8 @@ def message_text(
         about = f"---Got new message, message info:---\n{info}\n---Message data:---\n" if info is not None else ""
         return f"{about}{message}\n---\n"
     if csv:
-        about = "".join(f"{value}," for value in info.values()) if info is not None else ""
-        return f"{about}{to_csv(message, shown)}\n"
-    about = ""
-    if info is not None:
-        import yaml
-
-        about = f"{yaml.safe_dump(info)}---\n"
+        return ",".join([*map(str, (info or {}).values()), to_csv(message, shown)]) + "\n"
+    about = "" if info is None else f"{yaml.safe_dump(info)}---\n"
     return f"{about}{to_yaml(message, shown, flow_style)}---\n"
 
 
