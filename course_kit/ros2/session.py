@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 import time
 from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
@@ -64,6 +66,20 @@ class Session:
         if not self.in_notebook:
             instruments.appear_as("_ros2cli", with_rosout=True)
         return instruments.node()
+
+    @contextlib.contextmanager
+    def own_node(self, name: str, **settings: bool) -> Iterator[Node]:
+        """A node of the verb's own while the block runs; action clients may be made on it, see executor_for()."""
+        from rclpy.executors import SingleThreadedExecutor
+
+        from course_kit.spinning import errors
+        from course_kit.spinning.executors import SpinThread
+        from course_kit.spinning.nodes import quiet_node
+
+        node = quiet_node(name, self.node.context, **settings)
+        executor = SingleThreadedExecutor(context=node.context)
+        with contextlib.closing(SpinThread(node, partial(errors.report, name), executor).start()):
+            yield node
 
     def graph(self) -> Node:
         """The node, once it knows the whole graph as it is now."""

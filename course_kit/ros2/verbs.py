@@ -61,7 +61,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     return f"Did you mean {near[0]}?" if near else None
 
 
-def of_package(look: Callable[[str], Found], name: str, message: str = "Package '{}' not found") -> Found:
+def look_up(look: Callable[[str], Found], name: str, message: str = "Package '{}' not found") -> Found:
     """What a look-up of a package gives; a failure of the verb if there is no such package."""
     try:
         return look(name)

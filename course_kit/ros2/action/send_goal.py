@@ -9,16 +9,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from queue import SimpleQueue
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from course_kit.calls.goals import STATES
 from course_kit.ros2.named import ACTIONS
 from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, failing, flag, one_line, yaml_values
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
 
 SAME_INTERRUPT = 0.5  # seconds: a shell may pass one Ctrl-C on twice, to the process and to its group
 
@@ -28,12 +25,14 @@ def _run(args: Namespace, session: Session) -> None:
 
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
+    from course_kit.spinning import action_answers
 
     kind = interface_class(args.action_type, "action")
     goal = kind.Goal()
     times = filled(goal, parsed(args, args.goal), "Failed to populate message fields: {!r}")
     name = checked_name(args.action_name, "action")
-    with _spun_node(session) as node:
+    action_answers.keep()  # sent from this thread, answered in another
+    with session.own_node(f"{session.node.get_name()}_goal") as node:
 
         def count_servers(action: str) -> int:
             return node.count_publishers(f"{action}/_action/status")
@@ -45,26 +44,6 @@ def _run(args: Namespace, session: Session) -> None:
         wait_for_server(session, "action", full_name, args.action_type, client.server_is_ready, count_servers)
         stamp(times, *node.get_clock().now().seconds_nanoseconds())
         _follow(session, args, client, goal)
-
-
-@contextmanager
-def _spun_node(session: Session) -> Iterator[Node]:
-    """A node for one action client: the instruments' executor is none for them, see spinning.executor_for()."""
-    from rclpy.executors import SingleThreadedExecutor
-
-    from course_kit.spinning import action_answers, errors
-    from course_kit.spinning.executors import SpinThread
-    from course_kit.spinning.nodes import quiet_node
-
-    action_answers.keep()  # sent from this thread, answered in another
-    name = f"{session.node.get_name()}_goal"
-    node = quiet_node(name, session.node.context)
-    executor = SingleThreadedExecutor(context=node.context)
-    thread = SpinThread(node, lambda error: errors.report(name, error), executor).start()
-    try:
-        yield node
-    finally:
-        thread.close()
 
 
 def _follow(session: Session, args: Namespace, client: Any, goal: Any) -> None:

@@ -8,58 +8,40 @@ that is cut) is left here too, so that the two print the same.
 from __future__ import annotations
 
 import difflib
-import re
-import textwrap
 from collections.abc import Callable, Collection, Iterator
+
+from rosidl_adapter.parser import parse_message_string  # type: ignore[import-untyped]
 
 from course_kit.interface_types import nested_type
 
 SEPARATOR = "---"
 KINDS = ("msg", "srv", "action")
-_UNIT = re.compile(r"\s*\[[^,\]]+\]")  # a unit in brackets, which rosidl takes out of a comment
 NEAR = 0.6  # how alike a name and its suggestion are, of 1
 
 
 def show(
-    type_name: str,
-    read: Callable[[str], str],
-    comments: bool = True,
-    nested_comments: bool = False,
-    depth: int = 0,
+    type_name: str, read: Callable[[str], str], comments: bool = True, nested_comments: bool = False, depth: int = 0
 ) -> Iterator[str]:
     """The lines of a definition; `read(type name)` gives the text of one, and its errors pass through."""
     package = type_name.split("/")[0]
     for line in read(type_name).splitlines():
         text = line.rstrip()
-        shown = text if comments else without_comment(text)
+        shown = text if comments else without_comment(text, package)
         if shown is not None:
             yield "\t" * depth + shown if shown else ""
         if nested := nested_type(text, package):
             yield from show(nested, read, nested_comments, nested_comments, depth + 1)
 
 
-def without_comment(text: str) -> str | None:
+def without_comment(text: str, package: str) -> str | None:
     """What the real command leaves of a line without its comment; None for a line that is not shown at all."""
-    if not text:
+    if text == SEPARATOR:
+        return text
+    line = parse_message_string(package, "Line", text)
+    if not text or line.annotations["comment"]:
         return None
-    plain = text.replace("\t", " ")
-    index = plain.find("#")
-    if index < 0:
-        return text
-    comment = _meaning(plain[index:])
-    if index == 0:
-        return text if not comment else None
-    if not plain[:index].strip() or not comment:  # an indented comment, an empty one: as in the file
-        return text
-    first = textwrap.dedent(comment).split("\n")[0]
-    return text[: text.find(first) - 1].strip()
-
-
-def _meaning(comment: str) -> str:
-    """A comment without its signs, and without its unit if it has just one."""
-    words = comment.lstrip("#")
-    units = _UNIT.findall(words)
-    return words.replace(units[0], "") if len(units) == 1 else words
+    comments = [comment for part in [*line.fields, *line.constants] for comment in part.annotations["comment"]]
+    return text[: text.find(comments[0]) - 1].strip() if comments else text
 
 
 def near_type(name: str, known: Collection[str]) -> str | None:

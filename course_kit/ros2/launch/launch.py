@@ -14,7 +14,7 @@ from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.completion import offering
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, failing, flag, of_package, one_of
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, failing, flag, look_up, one_of
 
 FLAGS = ("noninteractive", "debug", "print", "show_args", "show_all_subprocesses_output")
 EXTENSIONS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
@@ -91,7 +91,7 @@ def find_launch_file(args: Namespace) -> tuple[str, list[str]]:
         if not os.path.isfile(name):
             raise CommandError("No launch file supplied", _file_hint(name, share is not None))
         return name, [*([] if file_name is None else [file_name]), *given]
-    share = of_package(packages.share_directory, name, "Package '{}' not found: {}")
+    share = look_up(packages.share_directory, name, "Package '{}' not found: {}")
     found = [path for path in _files(share) if os.path.basename(path) == file_name]
     if not found:
         raise CommandError(

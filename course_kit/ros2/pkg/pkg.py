@@ -11,7 +11,7 @@ from typing import Any
 from course_kit.programs import packages
 from course_kit.ros2.completion import package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, flag, of_package
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, flag, look_up
 
 NOT_FOUND = "Package not found"
 NAME = argument("package_name", "the package", package_names)
@@ -24,20 +24,20 @@ def _list(args: Namespace, session: Session) -> None:
 
 def _prefix(args: Namespace, session: Session) -> None:
     look = packages.share_directory if args.share else packages.package_prefix
-    session.print(of_package(look, args.package_name, NOT_FOUND))
+    session.print(look_up(look, args.package_name, NOT_FOUND))
 
 
 def _executables(args: Namespace, session: Session) -> None:
     wanted = args.package_name
     for name in packages.package_names() if wanted is None else [wanted]:
-        for path in sorted(of_package(packages.executables, name), key=str):
+        for path in sorted(look_up(packages.executables, name), key=str):
             session.print(str(path) if args.full_path else f"{name} {path.name}")
 
 
 def _xml(args: Namespace, session: Session) -> None:
     import xml.etree.ElementTree as ElementTree
 
-    path = os.path.join(of_package(packages.share_directory, args.package_name, NOT_FOUND), "package.xml")
+    path = os.path.join(look_up(packages.share_directory, args.package_name, NOT_FOUND), "package.xml")
     if not os.path.isfile(path):
         raise CommandError("Package xml manifest not found")
     try:

@@ -12,7 +12,7 @@ from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.completion import offering, package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, of_package
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, look_up
 
 
 def _executables(args: Namespace) -> list[str]:
@@ -23,7 +23,7 @@ def _executables(args: Namespace) -> list[str]:
 
 def executable(package: str, name: str) -> Path:
     """The executable of that name in a package. CommandError if there is none, or more than one."""
-    found = of_package(packages.executables, package)
+    found = look_up(packages.executables, package)
     matching = [path for path in found if path.name == name]
     if not matching:
         raise CommandError("No executable found", _hint(package, name, [path.name for path in found]))

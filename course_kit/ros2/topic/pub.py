@@ -6,7 +6,7 @@ import math
 import time
 from argparse import Namespace
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from queue import SimpleQueue
 from typing import Any
 
@@ -76,8 +76,6 @@ def _publisher(
     """A publisher while the block runs."""
     from rclpy.event_handler import PublisherEventCallbacks
 
-    from course_kit.watching import instruments
-
     def note_mismatch(event: Any) -> None:
         warnings.put(endpoints.incompatible(node.get_name(), topic, event.last_policy_kind, is_publisher=True))
 
@@ -88,36 +86,20 @@ def _publisher(
     try:
         yield publisher
     finally:
-        instruments.executor().create_task(node.destroy_publisher, publisher)
+        node.executor.create_task(node.destroy_publisher, publisher)
 
 
-@contextmanager
-def _node(session: Session, args: Namespace) -> Iterator[Any]:
+def _node(session: Session, args: Namespace) -> AbstractContextManager[Any]:
     """The node that publishes: the session's, or one of its own if it needs a name or simulation time."""
     if args.node_name is None and not args.use_sim_time:
-        yield session.node
-        return
+        return nullcontext(session.node)
     from rclpy.exceptions import InvalidNodeNameException
     from rclpy.validate_node_name import validate_node_name
 
-    from course_kit.spinning.nodes import quiet_node
-    from course_kit.watching import instruments
-
-    executor = instruments.executor()
     name = args.node_name or f"{session.node.get_name()}_publisher"
     with failing(InvalidNodeNameException, say=lambda error: str(error).split("\n")[0].rstrip(":")):
         validate_node_name(name)
-    node = quiet_node(name, with_rosout=True, use_sim_time=args.use_sim_time)
-    executor.add_node(node)
-    try:
-        yield node
-    finally:
-
-        def destroy() -> None:
-            executor.remove_node(node)
-            node.destroy_node()
-
-        executor.create_task(destroy)
+    return session.own_node(name, with_rosout=True, use_sim_time=args.use_sim_time)
 
 
 def _wait_for_subscriptions(session: Session, topic: str, publisher: Any, wanted: int, limit: float) -> None:
