@@ -6,12 +6,12 @@ Nothing of it uses the network: the newest versions of packages, which the real 
 from __future__ import annotations
 
 import os
-import xml.etree.ElementTree as ElementTree
 from argparse import Namespace
 from collections import defaultdict
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from course_kit.internals import package_version
 from course_kit.programs import packages
 from course_kit.ros2.doctor import checks, report
 from course_kit.ros2.doctor.checks import Pair, System, Topic
@@ -33,7 +33,7 @@ def _doctor(args: Namespace, session: Session) -> None:
         session.print(checks.summary(len(findings), modules))
     if args.report or args.report_failed:
         for section in report.sections(system, modules):
-            session.print(str(section))
+            session.print(section)
 
 
 def _look(session: Session) -> System:
@@ -41,7 +41,7 @@ def _look(session: Session) -> System:
     from rclpy.utilities import get_rmw_implementation_identifier
 
     node = session.graph()
-    versions = {name: _version(name) for name in packages.package_names()}
+    versions = {name: package_version(name) for name in packages.package_names()}
     topics = list(_topics(node))
     return System(
         interfaces=list(interfaces()),
@@ -78,15 +78,6 @@ def interfaces() -> Iterator[dict[str, Any]]:
             "broadcast": inet[-1].broadcast if inet else None,
         }
         yield {key: value for key, value in properties.items() if value}
-
-
-def _version(package: str) -> str:
-    """The version in a package's package.xml; empty if there is none."""
-    try:
-        root = ElementTree.parse(os.path.join(packages.share_directory(package), "package.xml")).getroot()
-    except (LookupError, OSError, ElementTree.ParseError):
-        return ""
-    return (root.findtext("version") or "").strip()
 
 
 def _distro(versions: dict[str, str]) -> str:

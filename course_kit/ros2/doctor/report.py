@@ -3,52 +3,44 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator
 
 from course_kit.ros2.doctor.checks import KNOWN, System
 
 LEAST_WIDTH = 8  # of the column of names; names as long as that get GAP more
 GAP = 4
+Item = tuple[str, object]  # name, value
 OFFLINE = "latest versions are not looked up: that takes a network"
 
 
-@dataclass(frozen=True)
-class Section:
-    """A part of the report; `module` is the check that it belongs to."""
-
-    module: str
-    title: str
-    items: Sequence[tuple[str, object]]
-
-    def __str__(self) -> str:
-        longest = max((len(name) for name, _ in self.items), default=0)
-        width = LEAST_WIDTH if longest < LEAST_WIDTH else longest + GAP
-        return "\n".join([f"\n   {self.title}", *(f"{name:{width}}: {value}" for name, value in self.items)])
-
-
-def sections(system: System, modules: Collection[str]) -> list[Section]:
-    """The sections of some modules."""
+def sections(system: System, modules: Collection[str]) -> list[str]:
+    """The sections that belong to the checks of some modules."""
     distribution = KNOWN.get(system.distro, {"distribution name": system.distro or "unknown"})
-    everything = [
-        Section("network", "NETWORK CONFIGURATION", [pair for one in system.interfaces for pair in one.items()]),
-        Section("package", "PACKAGE VERSIONS", list(_packages(system))),
-        Section("platform", "PLATFORM INFORMATION", _platform()),
-        Section("middleware", "QOS COMPATIBILITY LIST", list(_qos(system))),
-        Section("middleware", "RMW MIDDLEWARE", [("middleware name", system.middleware)]),
-        Section("platform", "ROS 2 INFORMATION", list(distribution.items())),
-        Section("topic", "TOPIC LIST", list(_topics(system))),
+    everything: list[tuple[str, str, Iterable[Item]]] = [
+        ("network", "NETWORK CONFIGURATION", (pair for one in system.interfaces for pair in one.items())),
+        ("package", "PACKAGE VERSIONS", _packages(system)),
+        ("platform", "PLATFORM INFORMATION", _platform()),
+        ("middleware", "QOS COMPATIBILITY LIST", _qos(system)),
+        ("middleware", "RMW MIDDLEWARE", [("middleware name", system.middleware)]),
+        ("platform", "ROS 2 INFORMATION", distribution.items()),
+        ("topic", "TOPIC LIST", _topics(system)),
     ]
-    return [section for section in everything if section.module in modules]
+    return [_section(title, list(items)) for module, title, items in everything if module in modules]
 
 
-def _packages(system: System) -> Iterator[tuple[str, object]]:
+def _section(title: str, items: list[Item]) -> str:
+    longest = max((len(name) for name, _ in items), default=0)
+    width = LEAST_WIDTH if longest < LEAST_WIDTH else longest + GAP
+    return "\n".join([f"\n   {title}", *(f"{name:{width}}: {value}" for name, value in items)])
+
+
+def _packages(system: System) -> Iterator[Item]:
     for name, version in system.packages.items():
         yield name, f"latest=N/A, local={version}"
     yield "note", OFFLINE
 
 
-def _platform() -> list[tuple[str, object]]:
+def _platform() -> list[Item]:
     return [
         ("system", platform.system()),
         ("platform info", platform.platform()),
@@ -57,7 +49,7 @@ def _platform() -> list[tuple[str, object]]:
     ]
 
 
-def _qos(system: System) -> Iterator[tuple[str, object]]:
+def _qos(system: System) -> Iterator[Item]:
     for pair in system.pairs:
         yield "topic [type]", f"{pair.topic} [{pair.type}]"
         yield "publisher node", pair.publisher
@@ -67,7 +59,7 @@ def _qos(system: System) -> Iterator[tuple[str, object]]:
         yield "compatibility status", "No publisher/subscriber pairs found"
 
 
-def _topics(system: System) -> Iterator[tuple[str, object]]:
+def _topics(system: System) -> Iterator[Item]:
     for topic in system.topics:
         yield "topic", topic.name
         yield "publisher count", topic.publishers
