@@ -10,7 +10,7 @@ from course_kit.launching import events, output
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import Action, LaunchDescriptionEntity
 from course_kit.launching.handlers import EventHandler, OnShutdown
-from course_kit.launching.substitutions import SomeSubstitutions, as_bool, is_substitution, normalize, perform
+from course_kit.launching.substitutions import SomeSubstitutions, as_bool, as_text, is_substitution, perform
 
 
 class EmitEvent(Action):
@@ -112,8 +112,7 @@ class TimerAction(Action):
         """Start the timer."""
         if self._is_cancelled:
             return
-        given = self.period
-        period = float(given) if isinstance(given, (int, float)) else float(perform(context, given))
+        period = float(perform(context, as_text(self.period)))
         self._locals = context.get_locals_as_dict()
         handler = EventHandler(
             matcher=lambda event: isinstance(event, events.TimerEvent) and event.timer_action is self,
@@ -122,8 +121,7 @@ class TimerAction(Action):
         )
         context.register_event_handler(handler)
         self._task = context.asyncio_loop.create_task(self._wait(context, period))
-        wanted = self._cancel_on_shutdown
-        if wanted if isinstance(wanted, bool) else as_bool(perform(context, normalize(wanted))):
+        if as_bool(perform(context, as_text(self._cancel_on_shutdown))):
             context.register_event_handler(OnShutdown(on_shutdown=lambda event, context: self.cancel()))
 
     async def _wait(self, context: LaunchContext, period: float) -> None:

@@ -110,6 +110,11 @@ class OnProcessIO(_OnAction):
         return None if response is None else response(event)
 
 
+def on_event(event_type: type[events.Event], entities: Response) -> EventHandler:
+    """Matches all events of a type."""
+    return EventHandler(matcher=lambda event: isinstance(event, event_type), entities=entities)
+
+
 class OnShutdown(EventHandler):
     """When the launch shuts down."""
 

@@ -17,11 +17,12 @@ from course_kit.launching.child import Child
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import Action, Entities, LaunchDescriptionEntity
 from course_kit.launching.event_actions import EmitEvent
-from course_kit.launching.handlers import EventHandler, OnProcessExit, OnShutdown, Response, as_list
+from course_kit.launching.handlers import OnProcessExit, OnShutdown, Response, as_list, on_event
 from course_kit.launching.substitutions import (
     LaunchConfiguration,
     SomeSubstitutions,
     as_bool,
+    as_text,
     is_substitution,
     normalize,
     perform,
@@ -66,7 +67,10 @@ class ExecuteProcess(Action):
         self.additional_env = _pairs(additional_env)
         self._prefix = prefix
         self._name = None if name is None else normalize(name)
-        self._timeouts = _seconds("sigterm_timeout", sigterm_timeout), _seconds("sigkill_timeout", sigkill_timeout)
+        self._timeouts = [
+            LaunchConfiguration(name, default="5") if given is None else as_text(given)
+            for name, given in (("sigterm_timeout", sigterm_timeout), ("sigkill_timeout", sigkill_timeout))
+        ]
         self._emulate_tty = emulate_tty
         self._output = os.environ.get("OVERRIDE_LAUNCH_PROCESS_OUTPUT") or output
         self._output_format = output_format
@@ -114,8 +118,8 @@ class ExecuteProcess(Action):
             return
         self._ending = context.asyncio_loop.create_future()
         for handler in (
-            _on(events.ShutdownProcess, self._on_shutdown_process),
-            _on(events.SignalProcess, self._on_signal),
+            on_event(events.ShutdownProcess, self._on_shutdown_process),
+            on_event(events.SignalProcess, self._on_signal),
             OnShutdown(on_shutdown=self._on_shutdown),
             OnProcessExit(target_action=self, on_exit=self._on_exit),
         ):
@@ -139,8 +143,7 @@ class ExecuteProcess(Action):
         cwd = None if self.cwd is None else perform(context, self.cwd)
         self.process_details = {"action": self, "name": name, "cmd": cmd, "cwd": cwd, "env": environment, "pid": 0}
         self._words = " ".join(part for part in cmd if part.strip())
-        if not isinstance(self._respawn, bool):
-            self._respawn = as_bool(perform(context, self._respawn))
+        self._respawn = as_bool(perform(context, as_text(self._respawn)))
         self._logger = output.get_logger(self.name)
         config = self._output
         if isinstance(config, str) or is_substitution(config):
@@ -252,15 +255,5 @@ class ExecuteProcess(Action):
         return []
 
 
-def _on(event_type: type[events.Event], response: Any) -> EventHandler:
-    return EventHandler(matcher=lambda event: isinstance(event, event_type), entities=response)
-
-
 def _pairs(environment: Environment | None) -> list[tuple[Any, Any]] | None:
     return None if environment is None else [(normalize(k), normalize(v)) for k, v in environment.items()]
-
-
-def _seconds(name: str, given: Any) -> Any:
-    if given is None:
-        return LaunchConfiguration(name, default="5")
-    return str(given) if isinstance(given, (int, float)) else given

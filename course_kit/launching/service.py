@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from course_kit.launching import events, output
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import LaunchDescription, visit_all
-from course_kit.launching.handlers import EventHandler, OnShutdown
+from course_kit.launching.handlers import OnShutdown, on_event
 from course_kit.programs.orphans import Watch
 
 
@@ -24,10 +24,7 @@ class LaunchService:
         output.show_from(self._verbosity)
         self._logger = output.get_logger("launch")
         self.context = LaunchContext(argv=argv, noninteractive=noninteractive)
-        include = EventHandler(
-            matcher=lambda event: isinstance(event, events.IncludeLaunchDescription),
-            entities=lambda event, context: event.launch_description,
-        )
+        include = on_event(events.IncludeLaunchDescription, lambda event, context: event.launch_description)
         self.context.register_event_handler(include)
         self.context.register_event_handler(OnShutdown(on_shutdown=self._on_shutdown))
         self._futures: list[asyncio.Future[None]] = []
