@@ -40,7 +40,7 @@ def parser_for(words: Sequence[str]) -> ArgumentParser:
     parser = ArgumentParser(prog="ros2", description=DESCRIPTION, formatter_class=RawDescriptionHelpFormatter)
     flag("--use-python-default-buffering", "do not write each line at once where the output is no terminal")(parser)
     named = [word for word in words if not word.startswith("-")]
-    parsers = _subparsers(parser, "ros2", COMMANDS, "command", named)
+    parsers = _subparsers(parser, COMMANDS, named)
     parser.set_defaults(verb=None, named=parser)
     if named and named[0] in COMMANDS:
         _fill(parsers[named[0]], *named)
@@ -53,30 +53,26 @@ def _fill(parser: ArgumentParser, command: str, *named: str) -> None:
     parser.set_defaults(named=parser)
     if hasattr(module, "add_arguments"):
         module.add_arguments(parser)
-    if hasattr(module, "COMMAND"):
-        _become(parser, module.COMMAND)
-        return
-    verbs: Mapping[str, Verb] = module.VERBS
-    parsers = _subparsers(parser, f"ros2 {command}", {n: v.summary for n, v in verbs.items()}, "verb", named)
-    if named and named[0] in verbs:
-        _become(parsers[named[0]], verbs[named[0]])
-
-
-def _become(parser: ArgumentParser, verb: Verb) -> None:
+    verb: Verb | None = getattr(module, "COMMAND", None)
+    if verb is None:
+        verbs: Mapping[str, Verb] = module.VERBS
+        parsers = _subparsers(parser, {name: one.summary for name, one in verbs.items()}, named)
+        if not named or named[0] not in verbs:
+            return
+        parser, verb = parsers[named[0]], verbs[named[0]]
     verb.arguments(parser)
     parser.set_defaults(verb=verb)
 
 
 def _subparsers(
-    parser: ArgumentParser, prog: str, summaries: Mapping[str, str], kind: str, named: Sequence[str]
+    parser: ArgumentParser, summaries: Mapping[str, str], named: Sequence[str]
 ) -> dict[str, ArgumentParser]:
     width = max(map(len, summaries))
     listing = "".join(f"{name:{width}}  {summary}\n" for name, summary in sorted(summaries.items()))
     group = parser.add_subparsers(
         title="Commands",
         description="" if named and named[0] in summaries else listing,
-        metavar=f"`{prog} <command> -h` tells more of each.",
-        dest=f" {kind}",
+        metavar=f"`{parser.prog} <command> -h` tells more of each.",
     )
     return {
         name: group.add_parser(name, description=summary, formatter_class=RawDescriptionHelpFormatter)
