@@ -15,8 +15,8 @@ from typing import Any
 
 from course_kit.programs.orphans import Watch, mark
 from course_kit.programs.process_output import read_lines
-from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import CommandError
+from course_kit.ros2.session import DurationOver, Session, handling
+from course_kit.ros2.verbs import failing
 
 Lines = SimpleQueue[Callable[[], None] | None]  # how to write each line; None at the end
 
@@ -35,16 +35,15 @@ def run_in_terminal(cmd: Sequence[str]) -> int:
     def pass_on(number: int, _: FrameType | None) -> None:
         process.send_signal(number)  # does nothing once it has ended
 
-    before = signal.signal(signal.SIGTERM, pass_on)
     try:
-        while True:
-            try:
-                return process.wait()
-            except KeyboardInterrupt:
-                if watch is not None and not watch.whole_group_was_interrupted():
-                    process.send_signal(signal.SIGINT)
+        with handling(signal.SIGTERM, pass_on):
+            while True:
+                try:
+                    return process.wait()
+                except KeyboardInterrupt:
+                    if watch is not None and not watch.whole_group_was_interrupted():
+                        process.send_signal(signal.SIGINT)
     finally:
-        signal.signal(signal.SIGTERM, before)
         if watch is not None:
             watch.dismiss()
 
@@ -112,10 +111,8 @@ def _streamed(cmd: Sequence[str], session: Session, environment: dict[str, str])
 
 
 def _started(cmd: Sequence[str], **options: Any) -> subprocess.Popen[Any]:
-    try:
+    with failing(OSError, say=lambda error: f"cannot run {cmd[0]}: {error.strerror}"):
         return subprocess.Popen(list(cmd), **options)
-    except OSError as error:
-        raise CommandError(f"cannot run {cmd[0]}: {error.strerror}") from None
 
 
 def _write(lines: Iterable[Callable[[], None] | None]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import signal
 import sys
 import time
 from argparse import Namespace
@@ -29,6 +30,16 @@ def log_text(level: str, logger: str, text: str, stamp: int) -> str:
     """A line as rcl's console shows it; `stamp` in nanoseconds since the epoch."""
     seconds, nanoseconds = divmod(stamp, 10**9)
     return f"[{level}] [{seconds}.{nanoseconds:09}] [{logger}]: {text}"
+
+
+@contextlib.contextmanager
+def handling(number: signal.Signals, handler: Any) -> Iterator[None]:
+    """Have a signal handled by `handler`, or ignored, while the block runs."""
+    before = signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)
 
 
 class Session:

@@ -14,7 +14,7 @@ from typing import Any
 from course_kit.calls.goals import STATES
 from course_kit.ros2.named import ACTIONS
 from course_kit.ros2.servers import outcome, wait_for_server
-from course_kit.ros2.session import Session
+from course_kit.ros2.session import Session, handling
 from course_kit.ros2.verbs import CommandError, Verb, failing, flag, one_line, yaml_values
 
 SAME_INTERRUPT = 0.5  # seconds: a shell may pass one Ctrl-C on twice, to the process and to its group
@@ -101,11 +101,8 @@ def _interrupt() -> Iterator[Callable[[], bool]]:
         if came[-1] - came[0] > SAME_INTERRUPT:
             raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, note)
-    try:
+    with handling(signal.SIGINT, note):
         yield lambda: bool(came)
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 SEND_GOAL = Verb(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.bag import options
 from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failed, failing_with
 from course_kit.ros2.completion import names_of
-from course_kit.ros2.session import Session
+from course_kit.ros2.session import Session, handling
 from course_kit.ros2.verbs import Arguments, Verb, argument, duration, flag, one_of
 
 if TYPE_CHECKING:
@@ -80,21 +80,13 @@ def _run(recorder: Recorder, pressed: Callable[[], str | None], session: Session
     except SystemExit:  # SIGTERM is a good way to end a recording
         pass
     finally:
-        _close(recorder)
+        with handling(signal.SIGINT, signal.SIG_IGN):  # a second Ctrl-C must not keep the bag from being closed
+            recorder.stop()
         while not recorder.log.empty():
             options.show(recorder.log.get(), session, log_level)
     if recorder.error:
         raise failed(recorder.error)
     return 0
-
-
-def _close(recorder: Recorder) -> None:
-    """End it; a second Ctrl-C must not keep the bag from being closed."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        recorder.stop()
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _selection(args: Namespace, session: Session, folder: str) -> Selection:

@@ -136,10 +136,8 @@ def _part_to_fill_in(type_name: str) -> Any:
     import importlib
 
     package, kind, name = type_name.split("/")
-    try:
+    with failing(ImportError, AttributeError, say=lambda _: f"{type_name} is installed without its Python code"):
         cls = getattr(importlib.import_module(f"{package}.{kind}"), name)
-    except (ImportError, AttributeError):
-        raise CommandError(f"{type_name} is installed without its Python code") from None
     return {"msg": cls, "srv": getattr(cls, "Request", cls), "action": getattr(cls, "Goal", cls)}[kind]
 
 

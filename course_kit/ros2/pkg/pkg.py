@@ -11,7 +11,7 @@ from typing import Any
 from course_kit.programs import packages
 from course_kit.ros2.completion import package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, flag, look_up
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, failing, flag, look_up
 
 NOT_FOUND = "Package not found"
 NAME = argument("package_name", "the package", package_names)
@@ -40,10 +40,8 @@ def _xml(args: Namespace, session: Session) -> None:
     path = os.path.join(look_up(packages.share_directory, args.package_name, NOT_FOUND), "package.xml")
     if not os.path.isfile(path):
         raise CommandError("Package xml manifest not found")
-    try:
+    with failing(ElementTree.ParseError, say=lambda error: f"{path} is no XML: {error}"):
         root = ElementTree.parse(path).getroot()
-    except ElementTree.ParseError as error:
-        raise CommandError(f"{path} is no XML: {error}") from None
     if args.tag is None:
         session.print(ElementTree.tostring(root, encoding="unicode"))
         return
@@ -69,15 +67,13 @@ def _create(args: Namespace, session: Session) -> None:
         )
     for line in create.description(package, args.destination_directory):
         session.print(line)
-    try:
+    with failing(OSError, say=lambda error: f"unable to create {error.filename}: {error.strerror}"):
         create.make(package, args.destination_directory, session.print)
         text = create.license_text(package.license)
         if text is None:
             session.print(create.license_warning(package.license))
         else:
             Path(path, "LICENSE").write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise CommandError(f"unable to create {error.filename}: {error.strerror}") from None
 
 
 def _package(args: Namespace, session: Session) -> Any:
