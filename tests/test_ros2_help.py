@@ -6,7 +6,7 @@ from argparse import ArgumentParser, _SubParsersAction
 
 import pytest
 
-from course_kit.ros2.command import COMMANDS, parser_for
+from course_kit.ros2.command import COMMANDS, parser_for, run
 
 
 def parsers_below(parser: ArgumentParser) -> dict[str, ArgumentParser]:
@@ -27,3 +27,24 @@ def test_each_argument_is_explained(command):
     for parser in [parser_of(command), *(parser_of(*words) for words in verbs)]:
         assert parser.format_help().startswith(f"usage: {parser.prog} ")
         assert all(action.help for action in parser._actions if not isinstance(action, _SubParsersAction)), parser.prog
+
+
+@pytest.mark.parametrize(
+    ("words", "refusal"),
+    [
+        (("topic", "hz", "--window", "0"), "-w: value must be a positive integer"),
+        (("topic", "bw", "--window", "ten"), "-w: value must be a positive integer"),
+        (("topic", "echo", "--timeout", "0"), "--timeout: invalid positive_float value: '0'"),
+        (("topic", "echo", "--truncate-length=-1"), "-l: value must be non-negative integer"),
+        (("topic", "pub", "--rate", "fast"), "--rate: invalid positive_float value: 'fast'"),
+        (("topic", "pub", "--times=-1"), "--times: invalid nonnegative_int value: '-1'"),
+        (("topic", "pub", "-w", "1.5"), "--wait-matching-subscriptions: invalid nonnegative_int value: '1.5'"),
+        (("bag", "play", "--rate", "0", "."), "--rate: 0 is not in the valid range (> 0.0)"),
+        (("bag", "play", "--delay=-1", "."), "--delay: Value -1 is less than zero."),
+        (("bag", "play", "--clock", "often", "."), "--clock: often is not the valid type (float)"),
+    ],
+)
+def test_a_number_that_cannot_be_is_refused_in_the_real_command_s_words(words, refusal, capsys):
+    with pytest.raises(SystemExit):
+        run(words)
+    assert capsys.readouterr().err.endswith(f"{refusal}\n")
