@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import os
+import runpy
 from collections.abc import Iterable
-from importlib.machinery import SourceFileLoader
-from importlib.util import module_from_spec, spec_from_loader
 from typing import Any
 
 from course_kit.launching.actions import OpaqueFunction, SetLaunchConfiguration
@@ -31,22 +30,18 @@ class InvalidPythonLaunchFileError(RuntimeError):
 
 def load_python_launch_file(path: str) -> LaunchDescription:
     """Run a launch file and return its description; what it raises comes through."""
-    loader = SourceFileLoader("python_launch_file", path)
-    spec = spec_from_loader(loader.name, loader)
-    assert spec is not None
-    module = module_from_spec(spec)
     try:
-        loader.exec_module(module)
+        names = runpy.run_path(path, run_name="python_launch_file")
     except ModuleNotFoundError as error:
         name = error.name or ""
         if name.split(".")[0] in _OF_LAUNCH:
             raise not_covered(name) from error
         raise
-    if not hasattr(module, FUNCTION):
+    if FUNCTION not in names:
         raise InvalidPythonLaunchFileError(
             f"launch file at '{path}' does not contain the required function '{FUNCTION}()'"
         )
-    description = getattr(module, FUNCTION)()
+    description = names[FUNCTION]()
     if not isinstance(description, LaunchDescription):
         raise InvalidPythonLaunchFileError(
             f"launch file at '{path}': {FUNCTION}() returned {type(description).__name__}, not a LaunchDescription"
