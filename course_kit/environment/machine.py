@@ -25,18 +25,15 @@ APT_JAZZY = (
 def operating_system(system: str, release: Mapping[str, str], kernel: str = "") -> Check:
     """Linux, also in a container or in WSL 2. `release` holds the fields of /etc/os-release."""
     if system != "Linux":
-        return fail(
-            {"Darwin": "macOS"}.get(system, system),
-            "the packages of ROS 2 that the course installs are made for Linux",
-            "on Windows: wsl --install Ubuntu-24.04; on macOS: a Linux virtual machine or container",
-        )
+        reason = "the packages of ROS 2 that the course installs are made for Linux"
+        cure = "on Windows: wsl --install Ubuntu-24.04; on macOS: a Linux virtual machine or container"
+        return fail({"Darwin": "macOS"}.get(system, system), reason, cure)
     distribution = release.get("PRETTY_NAME", "Linux")
     if is_wsl(kernel) and "wsl2" not in kernel.lower():
-        return fail(
-            f"{distribution} in WSL 1",
-            "WSL 1 has no Linux kernel, and DDS finds no other node there",
-            f"in PowerShell, with the name that wsl --list shows: wsl --set-version {release.get('NAME', 'Ubuntu')} 2",
-        )
+        reason = "WSL 1 has no Linux kernel, and DDS finds no other node there"
+        command = f"wsl --set-version {release.get('NAME', 'Ubuntu')} 2"
+        cure = f"in PowerShell, with the name that wsl --list shows: {command}"
+        return fail(f"{distribution} in WSL 1", reason, cure)
     return passed(f"{distribution} in WSL 2" if is_wsl(kernel) else distribution)
 
 
@@ -64,11 +61,9 @@ def c_library(version: str) -> Check:
     if found and tuple(map(int, found.groups())) >= OLDEST_GLIBC:
         return passed(version)
     needed = ".".join(map(str, OLDEST_GLIBC))
-    return fail(
-        version or "not the GNU C library",
-        f"the wheels of ROS 2 need glibc {needed} or newer; Alpine's musl does not run them",
-        "use a newer distribution: Debian 10, Ubuntu 20.04, Fedora 29 and later have it",
-    )
+    reason = f"the wheels of ROS 2 need glibc {needed} or newer; Alpine's musl does not run them"
+    cure = "use a newer distribution: Debian 10, Ubuntu 20.04, Fedora 29 and later have it"
+    return fail(version or "not the GNU C library", reason, cure)
 
 
 def architecture(machine: str, sourced: bool) -> Check:
@@ -103,26 +98,19 @@ def memory(available: int, total: int) -> Check:
     if available >= NEEDED_MEMORY:
         return passed(detail)
     if total < NEEDED_MEMORY // 2:
-        return fail(
-            detail,
-            "JupyterLab with one notebook takes about 500 MB, so this machine would kill the kernel",
-            "give the machine or the container more memory, for example: docker run --memory=2g",
-        )
-    return warn(
-        detail,
-        f"JupyterLab, two kernels and a browser take up to {NEEDED_MEMORY} MB; with less all gets slow",
-        "close other programs; this shows the largest: ps aux --sort=-rss | head",
-    )
+        reason = "JupyterLab with one notebook takes about 500 MB, so this machine would kill the kernel"
+        cure = "give the machine or the container more memory, for example: docker run --memory=2g"
+        return fail(detail, reason, cure)
+    reason = f"JupyterLab, two kernels and a browser take up to {NEEDED_MEMORY} MB; with less all gets slow"
+    return warn(detail, reason, "close other programs; this shows the largest: ps aux --sort=-rss | head")
 
 
 def disk(folder: Path, ready: bool) -> Check:
     """Room for the environment, or once it is there for what the chapters write; and the right to write."""
     if is_of_windows(folder):
-        return warn(
-            f"{folder} is on a disk of Windows",
-            "from WSL each file there takes ten times as long, and links and permissions do not work as in Linux",
-            f"work in Linux's own folders: cp -r '{folder}' ~/course && cd ~/course",
-        )
+        reason = "from WSL each file there takes ten times as long, and links and permissions do not work as in Linux"
+        cure = f"work in Linux's own folders: cp -r '{folder}' ~/course && cd ~/course"
+        return warn(f"{folder} is on a disk of Windows", reason, cure)
     free = shutil.disk_usage(folder).free // 1_000_000
     return disk_space(folder, free, os.access(folder, os.W_OK), ready)
 
@@ -134,16 +122,12 @@ def is_of_windows(folder: Path) -> bool:
 
 def disk_space(folder: Path, free: int, writable: bool, ready: bool) -> Check:
     """The same from figures: `free` in MB."""
-    detail, cure = (
-        f"{free} MB free for the course",
-        "free some space; this shows where it went: du -xh ~ | sort -h | tail",
-    )
     if not writable and not ready:
-        return fail(
-            f"{folder} cannot be written",
-            "set-up makes the environment in the course's own folder",
-            f"work in a copy of your own: cp -r '{folder}' ~/course && cd ~/course",
-        )
+        reason = "set-up makes the environment in the course's own folder"
+        cure = f"work in a copy of your own: cp -r '{folder}' ~/course && cd ~/course"
+        return fail(f"{folder} cannot be written", reason, cure)
+    detail = f"{free} MB free for the course"
+    cure = "free some space; this shows where it went: du -xh ~ | sort -h | tail"
     if not ready and free < NEEDED_DISK:
         return fail(detail, f"set-up needs {NEEDED_DISK} MB", cure)
     if free < SPARE_DISK:

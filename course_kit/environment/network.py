@@ -28,36 +28,29 @@ def loopback(address: str = LOOPBACK) -> Check:
                 sender.sendto(b"course_kit", receiver.getsockname())
             receiver.recv(64)
     except OSError as error:
-        return fail(
-            f"no UDP packet gets through {address}: {error}",
-            "nodes in different processes find each other through it; if it is up, a firewall may be in the way",
-            "sudo ip link set lo up",
-        )
+        reason = "nodes in different processes find each other through it; if it is up, a firewall may be in the way"
+        return fail(f"no UDP packet gets through {address}: {error}", reason, "sudo ip link set lo up")
     return passed(f"a UDP packet gets through {address}")
 
 
 def shared_memory(folder: Path = SHARED_MEMORY) -> Check:
     """Writable and large enough; DDS passes messages through it."""
     if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
-        return warn(
-            f"{folder} is not there" if not folder.is_dir() else f"{folder} cannot be written",
-            "DDS complains at every start and sends large messages the slow way, through UDP",
-            f"sudo mount -t tmpfs -o mode=1777,size=512m tmpfs {folder}",
-        )
+        what = "cannot be written" if folder.is_dir() else "is not there"
+        reason = "DDS complains at every start and sends large messages the slow way, through UDP"
+        return warn(f"{folder} {what}", reason, f"sudo mount -t tmpfs -o mode=1777,size=512m tmpfs {folder}")
     usage = shutil.disk_usage(folder)
     return shared_memory_space(folder, usage.free // 1_000_000, usage.total // 1_000_000)
 
 
 def shared_memory_space(folder: Path, free: int, total: int) -> Check:
     """The same from figures in MB."""
+    detail = f"{free} of {total} MB free in {folder}"
     if free >= NEEDED_SHARED_MEMORY:
         small = " (a container's default; enough for the course)" if total < CONTAINERS_SHARED_MEMORY else ""
-        return passed(f"{free} of {total} MB free in {folder}{small}")
-    return warn(
-        f"{free} of {total} MB free in {folder}",
-        "each process with nodes takes 0.6 MB, and what a killed one held stays; without it DDS gets slow",
-        ".venv/bin/fastdds shm clean, or give a container more: docker run --shm-size=512m",
-    )
+        return passed(detail + small)
+    reason = "each process with nodes takes 0.6 MB, and what a killed one held stays; without it DDS gets slow"
+    return warn(detail, reason, ".venv/bin/fastdds shm clean, or give a container more: docker run --shm-size=512m")
 
 
 def is_free(port: int, address: str = LOOPBACK) -> bool:
@@ -75,11 +68,9 @@ def ports(candidates: range = LAB_PORTS) -> Check:
     """A port for JupyterLab: its own, else one of the next."""
     free = next((port for port in candidates if is_free(port)), None)
     if free is None:
-        return fail(
-            f"{candidates[0]} to {candidates[-1]} are all taken",
-            "JupyterLab has no port to listen on",
-            "jupyter server list shows running ones: stop some, or: ./environment-check.sh lab --port=9999",
-        )
+        detail = f"{candidates[0]} to {candidates[-1]} are all taken"
+        cure = "jupyter server list shows running ones: stop some, or: ./environment-check.sh lab --port=9999"
+        return fail(detail, "JupyterLab has no port to listen on", cure)
     if free == candidates[0]:
         return passed(f"{free} is free for JupyterLab")
     return passed(f"{candidates[0]} is taken, JupyterLab will use {free}")

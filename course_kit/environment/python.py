@@ -50,17 +50,10 @@ def version(python: Interpreter, ros: RosInstallation | None) -> Check:
     if supported(python.version, ros):
         return passed(detail)
     if ros is not None:
-        return fail(
-            detail,
-            f"the ROS 2 in {ros.prefix} is compiled for another Python, and rclpy loads in that one only",
-            "PYTHON=/usr/bin/python3 ./environment-check.sh lab",
-        )
-    oldest, newest = (".".join(map(str, v)) for v in (OLDEST, NEWEST))
-    return fail(
-        detail,
-        f"the wheels of ROS 2 exist for Python {oldest} to {newest}",
-        f"name another, for example: PYTHON=/usr/bin/python3.12 {SET_UP}",
-    )
+        reason = f"the ROS 2 in {ros.prefix} is compiled for another Python, and rclpy loads in that one only"
+        return fail(detail, reason, f"PYTHON=/usr/bin/python3 {SET_UP}")
+    reason = "the wheels of ROS 2 exist for Python {}.{} to {}.{}".format(*OLDEST, *NEWEST)
+    return fail(detail, reason, f"name another, for example: PYTHON=/usr/bin/python3.12 {SET_UP}")
 
 
 def set_up(state: str, python: Interpreter) -> Check:
@@ -69,11 +62,8 @@ def set_up(state: str, python: Interpreter) -> Check:
         if not python.unmet:
             return passed(f"{shown(python.prefix)} with {len(python.distributions)} packages")
         listed = ", ".join(python.unmet[:3]) + (" ..." if len(python.unmet) > 3 else "")
-        return warn(
-            f"{len(python.unmet)} packages are missing or have another version than the course's: {listed}",
-            "the course is tested with exactly its pinned versions",
-            RENEW,
-        )
+        found = f"{len(python.unmet)} packages are missing or have another version than the course's: {listed}"
+        return warn(found, "the course is tested with exactly its pinned versions", RENEW)
     if state == stamp.INCOMPLETE:
         reason = "set-up makes .venv itself and touches none that somebody else made"
         return fail(f".venv is {STATES[state]}", reason, f"mv .venv .venv-mine && {SET_UP}")
@@ -93,11 +83,8 @@ def conda(environ: Mapping[str, str]) -> Check:
     folder = environ.get("CONDA_PREFIX", "")
     if not folder:
         return passed("no conda environment is active")
-    return warn(
-        f"{folder} is active",
-        "its compiler, libraries and Python come first and can mix with those of ROS 2",
-        "conda deactivate",
-    )
+    reason = "its compiler, libraries and Python come first and can mix with those of ROS 2"
+    return warn(f"{folder} is active", reason, "conda deactivate")
 
 
 def python_path(environ: Mapping[str, str]) -> Check:

@@ -34,11 +34,9 @@ def installation(ros: RosInstallation | None, python: Interpreter, ready: bool) 
             return passed(f"Jazzy from the wheels in the environment: rclpy {version}")
     elif python.rclpy and Path(python.rclpy).is_relative_to(ros.prefix):
         return passed(f"Jazzy from {ros.prefix}")
-    return fail(
-        f"rclpy comes from {python.rclpy}" if python.rclpy else f"no rclpy for {python.path}",
-        f"it should come from {ros.prefix if ros else python.prefix}; else it is another or half a ROS 2",
-        RENEW,
-    )
+    found = f"rclpy comes from {python.rclpy}" if python.rclpy else f"no rclpy for {python.path}"
+    reason = f"it should come from {ros.prefix if ros else python.prefix}; else it is another or half a ROS 2"
+    return fail(found, reason, RENEW)
 
 
 def other_installations(installations: Sequence[RosInstallation], environ: Mapping[str, str]) -> Check:
@@ -48,17 +46,12 @@ def other_installations(installations: Sequence[RosInstallation], environ: Mappi
     foreign = [ros for ros in installations if ros.distro != DISTRO]
     if foreign or (distro not in ("", DISTRO) and not installations):
         where = foreign[0].prefix if foreign else f"/opt/ros/{distro}"
-        return warn(
-            f"{distro or foreign[0].distro} is sourced ({where}), the course is for {DISTRO}",
-            "the course takes it out of its own processes; others of this terminal would mix the two",
-            UNSOURCE.format(where),
-        )
+        detail = f"{distro or foreign[0].distro} is sourced ({where}), the course is for {DISTRO}"
+        reason = "the course takes it out of its own processes; others of this terminal would mix the two"
+        return warn(detail, reason, UNSOURCE.format(where))
     if len(prefixes) > 1:
-        return fail(
-            f"several are sourced: {' '.join(prefixes)}",
-            "libraries of two installations in one process end in crashes that look like bugs of yours",
-            UNSOURCE.format(prefixes[-1]),
-        )
+        reason = "libraries of two installations in one process end in crashes that look like bugs of yours"
+        return fail(f"several are sourced: {' '.join(prefixes)}", reason, UNSOURCE.format(prefixes[-1]))
     return passed(f"{DISTRO} from {prefixes[0]}" if prefixes else "none, the course brings its own")
 
 
@@ -90,11 +83,9 @@ def node(result: RoundTrip) -> Check:
         reason = "rclpy does not start a node; the lines ROS 2, RMW_IMPLEMENTATION and PYTHONPATH may say more"
         return fail(result.error, reason, RENEW)
     if result.message is None:
-        return fail(
-            "a node starts, but no message came from another process",
-            "something keeps DDS from the loopback network or from shared memory",
-            "unset ROS_AUTOMATIC_DISCOVERY_RANGE ROS_DISCOVERY_SERVER FASTRTPS_DEFAULT_PROFILES_FILE",
-        )
+        reason = "something keeps DDS from the loopback network or from shared memory"
+        cure = "unset ROS_AUTOMATIC_DISCOVERY_RANGE ROS_DISCOVERY_SERVER FASTRTPS_DEFAULT_PROFILES_FILE"
+        return fail("a node starts, but no message came from another process", reason, cure)
     return passed(f"started in {result.node:.2f} s, message after {result.message:.2f} s ({result.rmw})")
 
 
@@ -142,13 +133,9 @@ def middleware(environ: Mapping[str, str], ros: RosInstallation | None, prefix: 
     there = any(Path(folder, f"lib{value}.so").exists() for folder in folders)
     if there or (not ready and ros is None and value == "rmw_fastrtps_cpp"):
         return passed(value)
-    return fail(
-        f"{value} is not installed",
-        "rclpy loads the middleware of that name when it starts, and ends if it is not there",
-        "unset RMW_IMPLEMENTATION"
-        if ros is None
-        else f"sudo apt-get install -y ros-{DISTRO}-{value.replace('_', '-')}",
-    )
+    reason = "rclpy loads the middleware of that name when it starts, and ends if it is not there"
+    install = f"sudo apt-get install -y ros-{DISTRO}-{value.replace('_', '-')}"
+    return fail(f"{value} is not installed", reason, install if ros else "unset RMW_IMPLEMENTATION")
 
 
 if __name__ == "__main__":  # environment-check.sh asks for the ROS 2 that it has to leave out of the packages
