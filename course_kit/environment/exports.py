@@ -9,30 +9,16 @@ import os
 import shlex
 from collections.abc import Iterator, Mapping
 
-from course_kit.environment.activation import PROFILE_VARIABLES, RESTARTED
+from course_kit.environment.activation import RESTARTED, activate
 
-# The variables that activation sets, and those of the restart that the wheels make: the next Python needs none.
-NAMES = (
-    "AMENT_PREFIX_PATH",
-    "CMAKE_GENERATOR",
-    "CMAKE_PREFIX_PATH",
-    "CMAKE_TOOLCHAIN_FILE",
-    "COLCON_PYTHON_EXECUTABLE",
-    "COURSE_KIT_PREFIX",
-    "DIST_EXTRA_CONFIG",
-    "LD_LIBRARY_PATH",
-    "PATH",
-    "ROS_AUTOMATIC_DISCOVERY_RANGE",
-    "ROS_DOMAIN_ID",
-    "ROS_PYTHON_CHECK_FIELDS",
-    *PROFILE_VARIABLES,
-    RESTARTED,
-)
+OF_THE_RESTART = ("LD_LIBRARY_PATH", RESTARTED)  # which the wheels make: the next Python needs none
 
 
 def exports(environ: Mapping[str, str]) -> Iterator[str]:
-    """One `export` line for each variable that is set."""
-    for name in NAMES:
+    """One `export` line for each variable that is set of those that activation sets."""
+    activated: dict[str, str] = {}
+    activate(environ=activated)
+    for name in (*activated, *OF_THE_RESTART):
         if name in environ:
             yield f"export {name}={shlex.quote(environ[name])}"
 
