@@ -8,21 +8,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import rclpy.action
 from rclpy.duration import Duration
 from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from course_kit.ros_graph import discovery
-from course_kit.ros_graph.graph_data import (
-    EVERY_NODES_SERVICES,
-    EVERYWHERE,
-    Channel,
-    Endpoint,
-    GraphNode,
-    Qos,
-    Snapshot,
-)
+from course_kit.ros_graph import discovery, graph_data
+from course_kit.ros_graph.graph_data import EVERYWHERE, Channel, Endpoint, GraphNode, Qos, Snapshot
 from course_kit.watching.topics import publishers, subscriptions
 
 NamesAndTypes = dict[str, list[str]]
@@ -39,11 +32,6 @@ class NodeName:
     def full_name(self) -> str:
         """The name as it is written: /namespace/name."""
         return f"{self.namespace.rstrip('/')}/{self.name}"
-
-    @property
-    def is_hidden(self) -> bool:
-        """Whether tools leave the name out: a part of it begins with an underscore."""
-        return is_hidden(self.full_name)
 
     @staticmethod
     def of(full_name: str) -> NodeName:
@@ -65,7 +53,7 @@ def nodes(node: Node, with_hidden: bool = False) -> list[NodeName]:
     """The nodes, sorted by name; a name that two nodes share comes twice."""
     listed = discovery.of(node).alive(node.get_node_names_and_namespaces())
     names = [NodeName(name, namespace) for name, namespace in listed]
-    return sorted((n for n in names if with_hidden or not n.is_hidden), key=lambda n: n.full_name)
+    return sorted((n for n in names if with_hidden or not is_hidden(n.full_name)), key=lambda n: n.full_name)
 
 
 def duplicates(names: list[NodeName]) -> dict[str, int]:
@@ -85,9 +73,7 @@ def services(node: Node, with_hidden: bool = False) -> NamesAndTypes:
 
 def actions(node: Node) -> NamesAndTypes:
     """{action: types}, sorted."""
-    from rclpy.action import get_action_names_and_types
-
-    return _visible(get_action_names_and_types(node), True)
+    return _visible(rclpy.action.get_action_names_and_types(node), True)
 
 
 @dataclass(frozen=True)
@@ -104,19 +90,14 @@ class Interfaces:
 
 def interfaces(node: Node, of: NodeName, with_hidden: bool = False) -> Interfaces:
     """The interfaces of the node named `of`. Raises rclpy's NodeNameNonExistentError if it has gone."""
-    from rclpy.action import (
-        get_action_client_names_and_types_by_node,
-        get_action_server_names_and_types_by_node,
-    )
-
     who = of.name, of.namespace
     return Interfaces(
         subscribers=_visible(node.get_subscriber_names_and_types_by_node(*who), with_hidden),
         publishers=_visible(node.get_publisher_names_and_types_by_node(*who), with_hidden),
         service_servers=_visible(node.get_service_names_and_types_by_node(*who), with_hidden),
         service_clients=_visible(node.get_client_names_and_types_by_node(*who), with_hidden),
-        action_servers=_visible(get_action_server_names_and_types_by_node(node, *who), with_hidden),
-        action_clients=_visible(get_action_client_names_and_types_by_node(node, *who), with_hidden),
+        action_servers=_visible(rclpy.action.get_action_server_names_and_types_by_node(node, *who), with_hidden),
+        action_clients=_visible(rclpy.action.get_action_client_names_and_types_by_node(node, *who), with_hidden),
     )
 
 
@@ -178,7 +159,7 @@ def _calls(node: Node, there: set[NodeName], hidden: bool, services: bool, actio
 
     def note(kind: str, side: int, owner: NodeName, pairs: NamesAndTypes) -> None:
         for name, types in pairs.items():
-            if kind == "action" or hidden or name.rpartition("/")[2] not in EVERY_NODES_SERVICES:
+            if kind == "action" or hidden or name.rpartition("/")[2] not in graph_data.EVERY_NODES_SERVICES:
                 ends = found.setdefault((kind, name), ([], []))
                 ends[side].extend(Endpoint(owner.full_name, type_name) for type_name in types)
 

@@ -7,12 +7,10 @@ from dataclasses import dataclass, replace
 
 # Every node has these; they are of interest only to who asks for hidden things.
 EVERYWHERE = frozenset({"/rosout", "/parameter_events"})
-EVERY_NODES_SERVICES = frozenset(
-    {
-        "describe_parameters", "get_parameter_types", "get_parameters", "list_parameters", "set_parameters",
-        "set_parameters_atomically", "get_type_description",
-    }
-)  # fmt: skip
+EVERY_NODES_SERVICES = frozenset({
+    "describe_parameters", "get_parameter_types", "get_parameters", "list_parameters", "set_parameters",
+    "set_parameters_atomically", "get_type_description",
+})  # fmt: skip
 
 
 @dataclass(frozen=True, order=True)
@@ -115,6 +113,4 @@ class Snapshot:
 
 
 def _is_within(node: GraphNode, namespace: str | None) -> bool:
-    if namespace is None:
-        return True
-    return f"{node.namespace.rstrip('/')}/".startswith(f"{namespace.rstrip('/')}/")
+    return f"{node.namespace.rstrip('/')}/".startswith(f"{(namespace or '').rstrip('/')}/")

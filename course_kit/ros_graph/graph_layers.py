@@ -40,6 +40,7 @@ class Line:
     part: int
     outward: bool
     bundle: str = ""  # lines of one bundle may share the rows in which they pass columns
+    way: list[str] = field(default_factory=list)  # the keys of its node, of the rows kept free for it, of its box
     points: list[tuple[float, float]] = field(default_factory=list)
 
 

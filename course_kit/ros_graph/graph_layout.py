@@ -59,52 +59,43 @@ def lay_out(boxes: Iterable[Box], lines: Iterable[Line], titles: dict[str, float
 def _lay_out(boxes: list[Box], drawn: list[Line], titles: dict[str, float], max_levels: int) -> Layout:
     placed = {box.key: box for box in boxes}
     assign_layers(placed, drawn, find_levels(placed, drawn, max_levels), max_levels)
-    chains = _chains(placed, drawn)
-    columns = _columns(placed)
+    _keep_rows_free(placed, drawn)
+    last = max((box.layer for box in placed.values()), default=-1)
+    columns = [[box for box in placed.values() if box.layer == layer] for layer in range(last + 1)]
     groups = sorted({box.group for box in boxes}, key=lambda group: (group in titles, natural(group)))
-    neighbours = _neighbours(drawn, chains)
+    neighbours = _neighbours(drawn)
     _order(columns, groups, neighbours)
     bands, height = _place_rows(placed, columns, groups, titles, neighbours)
-    sides = _place_columns(placed, columns, drawn, chains, titles)
+    sides = _place_columns(placed, columns, drawn, titles)
     for line in drawn:
-        line.points = _way(line, placed, chains[id(line)], sides)
+        line.points = _points(line, placed, sides)
     width = sides[-1][1] + LANE_PAD if sides else 0.0
     rectangles = [Band(group, 0.0, top, width, bottom - top) for group, (top, bottom) in bands.items()]
     return Layout({k: b for k, b in placed.items() if not b.is_line}, drawn, rectangles, width, height)
 
 
-Chains = dict[int, list[str]]
-
-
-def _chains(boxes: dict[str, Box], lines: list[Line]) -> Chains:
-    """For each line the free rows, as boxes without width, through which it passes columns, node first."""
-    chains: Chains = {}
+def _keep_rows_free(boxes: dict[str, Box], lines: list[Line]) -> None:
+    """Find the way of each line; the rows in which it passes columns are boxes without width."""
     for line in lines:
         start, end = boxes[line.node].layer, boxes[line.box].layer
         step = 1 if end > start else -1
-        chain = []
+        line.way = [line.node]
         for layer in range(start + step, end, step):
             key = f"{line.box} {line.part} {line.outward} {line.bundle} {step} {layer}"
             if key not in boxes:
                 boxes[key] = Box(key, boxes[line.box].group, False, 0.0, FREE_ROW, (FREE_ROW / 2,), layer)
-            chain.append(key)
-        chains[id(line)] = chain
-    return chains
-
-
-def _columns(boxes: dict[str, Box]) -> list[list[Box]]:
-    last = max((box.layer for box in boxes.values()), default=-1)
-    return [[box for box in boxes.values() if box.layer == layer] for layer in range(last + 1)]
+            line.way.append(key)
+        line.way.append(line.box)
 
 
 Neighbours = dict[str, list[tuple[str, int]]]
 
 
-def _neighbours(lines: list[Line], chains: Chains) -> Neighbours:
+def _neighbours(lines: list[Line]) -> Neighbours:
     """For each box those that a line leads to next, with the part at which it ends there."""
     found: dict[str, set[tuple[str, int]]] = defaultdict(set)
     for line in lines:
-        way = [(line.node, 0), *((key, 0) for key in chains[id(line)]), (line.box, line.part)]
+        way = [*((key, 0) for key in line.way[:-1]), (line.box, line.part)]
         for one, other in itertools.pairwise(way):
             found[one[0]].add(other)
             found[other[0]].add(one)
@@ -147,11 +138,7 @@ def _stack(columns: list[list[Box]], groups: list[str]) -> None:
 
 
 def _place_rows(
-    boxes: dict[str, Box],
-    columns: list[list[Box]],
-    groups: list[str],
-    titles: dict[str, float],
-    neighbours: Neighbours,
+    boxes: dict[str, Box], columns: list[list[Box]], groups: list[str], titles: dict[str, float], neighbours: Neighbours
 ) -> tuple[dict[str, tuple[float, float]], float]:
     """Give every box its height, without overlap; return top and bottom of each band, and the height of all."""
     inner: dict[str, tuple[float, float]] = {}
@@ -195,13 +182,12 @@ def _settle(stack: list[Box], wanted: list[float], top: float, bottom: float) ->
 
 
 def _place_columns(
-    boxes: dict[str, Box], columns: list[list[Box]], lines: list[Line], chains: Chains, titles: dict[str, float]
+    boxes: dict[str, Box], columns: list[list[Box]], lines: list[Line], titles: dict[str, float]
 ) -> list[tuple[float, float]]:
     """Left and right side of each column; the more lines cross a gap steeply, the wider it is."""
     steep: dict[int, float] = defaultdict(float)
     for line in lines:
-        way = [line.node, *chains[id(line)], line.box]
-        for one, other in itertools.pairwise(way):
+        for one, other in itertools.pairwise(line.way):
             a, b = boxes[one], boxes[other]
             steep[min(a.layer, b.layer)] += min(abs(a.y - b.y), 1.0)
     sides: list[tuple[float, float]] = []
@@ -217,9 +203,7 @@ def _place_columns(
     return sides
 
 
-def _way(
-    line: Line, boxes: dict[str, Box], chain: list[str], sides: list[tuple[float, float]]
-) -> list[tuple[float, float]]:
+def _points(line: Line, boxes: dict[str, Box], sides: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """The points of a line, from its beginning to its end; every second stretch crosses a gap."""
     start, end = boxes[line.node], boxes[line.box]
     right = end.layer > start.layer
@@ -228,7 +212,7 @@ def _way(
     leave, enter = (1, 0) if right else (0, 1)
     points = [(start.x + start.width * leave, start.y + start.ports[0] + aside)]
     points.append((sides[start.layer][leave], points[0][1]))
-    for key in chain:
+    for key in line.way[1:-1]:
         row = boxes[key]
         y = row.y + row.ports[0]
         points += [(sides[row.layer][enter], y), (sides[row.layer][leave], y)]

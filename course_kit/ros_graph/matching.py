@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from course_kit.ros_graph.graph_data import Channel, Endpoint, Qos
@@ -22,15 +23,6 @@ class Part:
     def type(self) -> str:
         """The type of the part's endpoints."""
         return (self.sources + self.sinks)[0].type
-
-
-@dataclass(frozen=True)
-class Mismatch:
-    """A publisher and a subscription, or client and server, that are not connected, and the reason."""
-
-    source: Endpoint
-    sink: Endpoint
-    reason: str
 
 
 def qos_reasons(offered: Qos, asked: Qos) -> list[str]:
@@ -62,11 +54,10 @@ def mismatch(source: Endpoint, sink: Endpoint, kind: str = "topic") -> str | Non
     return None
 
 
-def mismatches(channel: Channel) -> list[Mismatch]:
-    """Every pair of ends of a channel that are not connected."""
-    pairs = ((source, sink) for source in channel.sources for sink in channel.sinks)
-    found = ((source, sink, mismatch(source, sink, channel.kind)) for source, sink in pairs)
-    return [Mismatch(source, sink, reason) for source, sink, reason in found if reason is not None]
+def mismatches(channel: Channel) -> dict[tuple[Endpoint, Endpoint], str]:
+    """Every source and sink of a channel that are not connected, with the reason."""
+    pairs = itertools.product(channel.sources, channel.sinks)
+    return {pair: reason for pair in pairs if (reason := mismatch(*pair, channel.kind)) is not None}
 
 
 def parts(channel: Channel) -> list[Part]:
@@ -75,17 +66,17 @@ def parts(channel: Channel) -> list[Part]:
     Ends that reach nobody form a part with those of their side and type.
     """
     ends = [(0, end) for end in channel.sources] + [(1, end) for end in channel.sinks]
-    apart = {(m.source, m.sink) for m in mismatches(channel)}
+    apart = mismatches(channel)
     group = list(range(len(ends)))  # the group of each end, named after one of its members
 
     def join(i: int, j: int) -> None:
         old, new = group[j], group[i]
         group[:] = [new if g == old else g for g in group]
 
-    for i in range(len(channel.sources)):
-        for j in range(len(channel.sources), len(ends)):
-            if (ends[i][1], ends[j][1]) not in apart:
-                join(i, j)
+    of_sources = len(channel.sources)
+    for i, j in itertools.product(range(of_sources), range(of_sources, len(ends))):
+        if (ends[i][1], ends[j][1]) not in apart:
+            join(i, j)
     reached = {i for i in range(len(ends)) if group.count(group[i]) > 1}
     alone: dict[tuple[int, str], int] = {}
     for i, (side, end) in enumerate(ends):
@@ -98,19 +89,18 @@ def parts(channel: Channel) -> list[Part]:
     return sorted(made, key=lambda part: (not (part.sources and part.sinks), not part.sources))
 
 
-def explanations(channel: Channel, split: Iterable[Part] | None = None) -> list[str]:
+def explanations(channel: Channel, split: Sequence[Part] | None = None) -> list[str]:
     """One line for each reason in a channel; it names the nodes where the parts alone do not tell who is meant."""
-    found = list(split) if split is not None else parts(channel)
     home = {
         (side, end): n
-        for n, part in enumerate(found)
+        for n, part in enumerate(parts(channel) if split is None else split)
         for side, ends in enumerate((part.sources, part.sinks))
         for end in ends
     }
     lines: dict[str, None] = {}
-    for one in mismatches(channel):
-        within = home[(0, one.source)] == home[(1, one.sink)]
-        lines[f"{one.source.node} to {one.sink.node}: {one.reason}" if within else one.reason] = None
+    for (source, sink), reason in mismatches(channel).items():
+        within = home[(0, source)] == home[(1, sink)]
+        lines[f"{source.node} to {sink.node}: {reason}" if within else reason] = None
     if not lines and len(channel.types) > 1:  # no pair, but still wrong
         lines[f"{' and '.join(channel.types)} on one {channel.kind}"] = None
     return list(lines)
