@@ -99,7 +99,7 @@ class Station:
         self.domain: int = self.context.get_domain_id()
         self._made = 0
         self.node = self._hidden_node()
-        self.discovery = discovery.of(self.node)
+        self.discovery = discovery.of(self.node, keep=True)
         self.errors: list[Exception] = []
         self._watcher = Watcher(self.node, self.errors.append)
         self._spinning: list[SpinThread] = []
@@ -107,7 +107,6 @@ class Station:
         self._opened: list[Heard] = []
         self._node_log: NodeLog | None = None
         self.mine: set[str] = set()
-        self.discovery.keep(self.node)
         self._graph_thread = SpinThread(self.node, self.errors.append).start()
 
     # The graph.

@@ -97,10 +97,8 @@ class Session:
         from course_kit.ros_graph import discovery
 
         node = self.node
-        known = discovery.of(node)
-        if self.in_notebook:
-            known.keep(node)
         spin_time: float | None = getattr(self._args, "spin_time", None)
+        known = discovery.of(node, keep=self.in_notebook)
         known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time)
         return node
 

@@ -12,11 +12,11 @@ import threading
 import time
 import weakref
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 from rclpy.node import Node
 
-from course_kit import internals
+from course_kit.internals import going_on_without
 from course_kit.internals.fastdds_parts import PARTICIPANT_SIZE, Entities, entities, participants_listening
 from course_kit.internals.rmw_parts import SerializedSubscription, is_fast_dds
 from course_kit.watching import instruments
@@ -28,17 +28,21 @@ WHOLE_TIMEOUT = 6.0  # seconds given to the graph to become known; a graph at re
 TAKE_PERIOD = 1.0  # seconds between two looks at the messages of a process that stays
 TOPIC = "ros_discovery_info"
 DEPTH = 1000
+# Where the announcements cannot be read, lists wait until nothing new comes, as beside another middleware.
+UNREAD = "lists of nodes and topics take some seconds, and may miss what is slow to appear"
 
 _lock = threading.Lock()
 _discoveries: weakref.WeakKeyDictionary[Node, Discovery] = weakref.WeakKeyDictionary()
 
 
-def of(node: Node) -> Discovery:
-    """The discovery of a node, made at the first use and kept with it."""
+def of(node: Node, keep: bool = False) -> Discovery:
+    """The discovery of a node, made at the first use and kept with it; `keep` for a process that stays."""
     instruments.before_end(forget)
     with _lock:
         if node not in _discoveries:
             _discoveries[node] = Discovery(node)
+        if keep:
+            _discoveries[node].keep(node)
         return _discoveries[node]
 
 
@@ -55,20 +59,10 @@ class Discovery:
         self._is_kept = False
         self._subscription: SerializedSubscription | None = None
         if is_fast_dds():
-            with self._going_on_without():
+            with going_on_without(UNREAD):
                 self._subscription = SerializedSubscription(
                     node, TOPIC, "rmw_dds_common", "ParticipantEntitiesInfo", DEPTH
                 )
-
-    @contextlib.contextmanager
-    def _going_on_without(self) -> Iterator[None]:
-        """Where the announcements cannot be read, lists wait until nothing new comes, as beside another middleware."""
-        try:
-            yield
-        except internals.NotAsExpected as error:
-            internals.say(f"{error}: lists of nodes and topics take some seconds, and may miss what is slow to appear")
-            self.close()
-            self._subscription = None
 
     def keep(self, node: Node) -> None:
         """Take messages regularly from now on: for a process that stays, so that none is overwritten."""
@@ -81,6 +75,7 @@ class Discovery:
         with self._lock:  # another thread may be taking a message
             if self._subscription is not None:
                 self._subscription.close()
+                self._subscription = None
 
     def wait(self, timeout: float = WHOLE_TIMEOUT) -> bool:
         """Wait until the node knows every participant, node and endpoint that is there; whether it does.
@@ -143,10 +138,12 @@ class Discovery:
         return [self._announced[participant] for participant in participants if participant in self._announced]
 
     def _take(self) -> None:
-        with self._lock, self._going_on_without():
+        with self._lock, going_on_without(UNREAD):
             while self._subscription is not None and (sample := self._subscription.take()) is not None:
                 announced = entities(sample.data)
                 self._announced[announced.participant] = announced
+            return
+        self.close()
 
     def _look_for(self, node: Node, missing: set[bytes]) -> bool:
         for topic, _ in node.get_topic_names_and_types(no_demangle=True):

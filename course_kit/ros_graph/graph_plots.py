@@ -61,9 +61,7 @@ def plot_graph(
 def observer() -> Node:
     """The node of the instruments, once it knows the whole graph as it is now."""
     node = instruments.node()
-    known = discovery.of(node)
-    known.keep(node)
-    known.wait()
+    discovery.of(node, keep=True).wait()
     return node
 
 
