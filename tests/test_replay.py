@@ -16,6 +16,7 @@ from geometry_msgs.msg import Twist
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
@@ -271,6 +272,14 @@ def test_versions_that_publish_the_same_are_equal_and_others_are_not(drive: Path
     assert x.largest == pytest.approx(apart.max()) and x.message == apart.argmax()
     assert compare(old, new, tolerance=x.largest + 0.2)
     assert "/smooth/pose.x" in repr(compared)
+
+
+def test_texts_are_equal_only_if_they_are_the_same_also_where_they_look_like_numbers() -> None:
+    first, second = Replayed("first", 0), Replayed("second", 0)
+    for replayed, names in ((first, ["1", "2.0"]), (second, ["1.0", "2"])):
+        replayed.keep("/joints", JointState, 0, serialize_message(JointState(name=names, position=[1.0, math.nan])))
+    (name,) = compare(first, second).differences
+    assert (name.field, name.largest) == ("name", math.inf)
 
 
 def test_a_missing_message_and_a_missing_topic_make_a_difference(drive: Path) -> None:

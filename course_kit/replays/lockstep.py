@@ -13,9 +13,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import rclpy
 from rcl_interfaces.msg import Log
 from rclpy.clock import ClockType
-from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -28,11 +28,12 @@ from rosgraph_msgs.msg import Clock
 from course_kit.bags import qos as bag_qos
 from course_kit.internals.rclpy_parts import fast_executor, is_fast
 from course_kit.polling import wait_until
-from course_kit.spinning import executors
+from course_kit.spinning import context, executors
 from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, destroy, quiet_node, with_base
 from course_kit.watching import topics
 
 OF_EVERY_NODE = ("/parameter_events", "/rosout", "/clock")
+DOMAINS = 100  # 0 to 99: those whose ports every system leaves free
 TICK = 0.05  # seconds that one look for something to do waits at most
 Keep = Callable[[str, Any, int, bytes], None]  # topic, type, nanoseconds, serialised message
 
@@ -47,10 +48,12 @@ class _Subscribed:
 
 
 class LockStep:
-    """Runs one node on the messages of a bag. close() it."""
+    """Runs one node on the messages of a bag, in a ROS context that speaks with no other process. close() it."""
 
-    def __init__(self, own: Context, start: int, keep: Keep, timeout: float) -> None:
+    def __init__(self, start: int, keep: Keep, timeout: float) -> None:
         """`start` is the bag's, in nanoseconds; `timeout` in seconds is given to each callback."""
+        context.start()  # so that what the notebook's context sets for all, such as where logs go, is set
+        own = context.separate((rclpy.get_default_context().get_domain_id() + 1) % DOMAINS, "OFF")
         self.context, self.now = own, start
         self.logged: list[Log] = []
         self.node: Node | None = None
@@ -72,12 +75,12 @@ class LockStep:
                     self._executor.remove_node(node)
                 destroy(node)
         self._executor.shutdown(timeout_sec=1.0)
+        self.context.try_shutdown()
 
-    def make(self, node_class: type[Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Node:
+    def make(self, node_class: type[Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
         """Make the node, with the bag's clock at its start when its constructor goes on."""
         self.node = with_base(node_class, _base(self))(*args, **kwargs)
         self._suit()
-        return self.node
 
     def _suit(self) -> None:
         """Change to the slower executor where the fast one would not do.

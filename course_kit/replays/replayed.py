@@ -132,8 +132,7 @@ class Comparison:
         names = " and ".join(numbered([self.first.name, self.second.name]))
         if not self.counts:
             return f"{names} published nothing"
-        verdict = "equal" if self else "different"
-        lines = [f"{names}: {verdict}, tolerance {self.tolerance:g}"]
+        lines = [f"{names}: {'equal' if self else 'different'}, tolerance {self.tolerance:g}"]
         lines += [
             f"{topic}: {a:,} messages and {b:,}" + ("" if a == b else "   <- not as many")
             for topic, (a, b) in self.counts.items()
@@ -205,16 +204,12 @@ def _pairs(left: Any, right: Any, path: str = "") -> Iterator[tuple[str, Any, An
 
 def _distance(left: Any, right: Any) -> float:
     """How far two values are apart: 0 if equal, infinite if they are no numbers or of different lengths."""
-    if isinstance(left, str | bytes) or isinstance(right, str | bytes):
-        return 0.0 if left == right else math.inf
-    try:
-        a, b = np.asarray(left, np.float64), np.asarray(right, np.float64)
-    except (TypeError, ValueError):
+    a, b = np.asarray(left), np.asarray(right)
+    if not {a.dtype.kind, b.dtype.kind} <= set("biuf"):
         return 0.0 if left == right else math.inf
     if a.shape != b.shape:
         return math.inf
     same = (a == b) | (np.isnan(a) & np.isnan(b))
     with np.errstate(invalid="ignore"):
-        apart = np.where(same, 0.0, np.abs(a - b))
-    apart = np.where(np.isnan(apart), math.inf, apart)
-    return float(apart.max(initial=0.0))
+        apart = np.where(same, 0.0, np.abs(a - b.astype(np.float64)))
+    return float(np.where(np.isnan(apart), math.inf, apart).max(initial=0.0))

@@ -13,13 +13,11 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
-import rclpy
-from rclpy.context import Context
 from rclpy.node import Node
 
 from course_kit import bags
@@ -27,11 +25,8 @@ from course_kit.bags.files import OpenBag, opened
 from course_kit.node_logs import rosout
 from course_kit.replays.lockstep import OF_EVERY_NODE, LockStep
 from course_kit.replays.replayed import Replayed
-from course_kit.spinning import context
 from course_kit.spinning.executors import refuse_in_callback
 from course_kit.watching import topics
-
-DOMAINS = 100  # 0 to 99: those whose ports every system leaves free
 
 
 def replay(
@@ -56,22 +51,18 @@ def replay(
     several = [outputs] if isinstance(outputs, str) else outputs
     wanted = None if several is None else [topics.absolute(name) for name in several]
     started = time.perf_counter()
-    with opened(bag) as messages, _own_context() as own:
+    published: set[str] = set()
+
+    def keep(topic: str, message_type: Any, nanoseconds: int, data: bytes) -> None:
+        published.add(topic)
+        if wanted is None or topic in wanted:
+            replayed.keep(topic, message_type, nanoseconds, data)
+
+    with opened(bag) as messages, closing(LockStep(messages.start, keep, timeout)) as steps:
         replayed = Replayed(node.__name__, messages.start)
-
-        def keep(topic: str, message_type: Any, nanoseconds: int, data: bytes) -> None:
-            published.add(topic)
-            if wanted is None or topic in wanted:
-                replayed.keep(topic, message_type, nanoseconds, data)
-
-        published: set[str] = set()
-        steps = LockStep(own, messages.start, keep, timeout)
-        try:
-            steps.make(node, args, kwargs)
-            replayed.sent = _send_all(steps, messages, node.__name__, Path(bag).name)
-            replayed.logs.extend(rosout.line_of(one) for one in steps.take_logs())
-        finally:
-            steps.close()
+        steps.make(node, args, kwargs)
+        replayed.sent = _send_all(steps, messages, node.__name__, Path(bag).name)
+        replayed.logs.extend(rosout.line_of(one) for one in steps.take_logs())
     replayed.bag_seconds, replayed.seconds = bags.info(bag).seconds, time.perf_counter() - started
     if missing := [topic for topic in wanted or () if topic not in published]:
         there = ", ".join(sorted(published)) or "nothing"
@@ -102,14 +93,3 @@ def _check_inputs(inputs: dict[str, str], bag: OpenBag, name: str, bag_name: str
     for topic, kind in inputs.items():
         if topic in there and there[topic] != kind:
             raise ValueError(f"{name} subscribes to {topic} as {kind}, and '{bag_name}' has it as {there[topic]}")
-
-
-@contextmanager
-def _own_context() -> Iterator[Context]:
-    """A ROS context that speaks with no other process, in a domain that this process does not use otherwise."""
-    context.start()  # so that what the notebook's context sets for all, such as where logs go, is set
-    own = context.separate((rclpy.get_default_context().get_domain_id() + 1) % DOMAINS, "OFF")
-    try:
-        yield own
-    finally:
-        own.try_shutdown()
