@@ -7,6 +7,7 @@ process's own ids each time; a process is believed only if it has a port of the 
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import os
 from collections.abc import Iterable
@@ -96,11 +97,9 @@ def listens(pid: int, domain: int) -> bool:
 
 def program_of(pid: int) -> str:
     """What a process runs, in a word: the script of a Python program, else the name of the program."""
-    try:
-        words = psutil.Process(pid).cmdline()
-    except psutil.Error:
-        return "process"
-    return _program(words) or "process"
+    with contextlib.suppress(psutil.Error):
+        return _program(psutil.Process(pid).cmdline()) or "process"
+    return "process"
 
 
 def _program(words: Iterable[str]) -> str:

@@ -7,11 +7,10 @@ CPU is measured too; memory is the whole process's.
 from __future__ import annotations
 
 import functools
-import os
 import threading
 import time
 import weakref
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -56,16 +55,21 @@ class _Meter:
     pid: int
     native_id: int | None = None
     before: tuple[int, float] | None = None  # when, CPU seconds
-    samples: list[tuple[int, float, float]] = field(default_factory=list)
+    samples: deque[tuple[int, float, float]] = field(default_factory=lambda: deque(maxlen=KEPT))
 
     def add(self, now_ns: int, cpu_seconds: float, memory: float) -> None:
-        if self.before is not None and now_ns - self.before[0] < SHORTEST:
-            return
         if self.before is not None:
-            percent = 100.0 * (cpu_seconds - self.before[1]) / ((now_ns - self.before[0]) * 1e-9)
+            before_ns, before_seconds = self.before
+            if now_ns - before_ns < SHORTEST:
+                return
+            percent = 100.0 * (cpu_seconds - before_seconds) / ((now_ns - before_ns) * 1e-9)
             self.samples.append((now_ns, max(0.0, percent), memory))
-            del self.samples[:-KEPT]
         self.before = now_ns, cpu_seconds
+
+    def usage(self) -> Usage:
+        when_ns, cpu, memory = zip(*self.samples, strict=True) if self.samples else ((), (), ())
+        used = np.array(when_ns, np.int64), np.array(cpu, np.float64), np.array(memory, np.float64)
+        return Usage(self.label, self.nodes, self.pid, self.native_id is not None, *used)
 
 
 class _Sampler:
@@ -127,23 +131,19 @@ class _Sampler:
     def sample(self) -> None:
         """Read the counters of all that is watched."""
         with self.lock:
-            meters = list(self.meters.values())
-        of_threads: dict[int, float] = {}
-        if any(meter.native_id is not None for meter in meters):
-            for thread in psutil.Process(os.getpid()).threads():
-                of_threads[thread.id] = thread.user_time + thread.system_time
-        for meter in meters:
-            if meter.native_id is not None:
-                if meter.native_id in of_threads:
-                    meter.add(time.time_ns(), of_threads[meter.native_id], float("nan"))
-                continue
-            try:
-                process = self._process(meter.pid)
-                with process.oneshot():
-                    used, memory = process.cpu_times(), process.memory_info().rss
-            except psutil.Error:  # it has ended
-                continue
-            with self.lock:
+            own = psutil.Process().threads() if any(key[1] is not None for key in self.meters) else []
+            of_threads = {thread.id: thread.user_time + thread.system_time for thread in own}
+            for meter in self.meters.values():
+                if meter.native_id is not None:
+                    if meter.native_id in of_threads:
+                        meter.add(time.time_ns(), of_threads[meter.native_id], float("nan"))
+                    continue
+                try:
+                    process = self._process(meter.pid)
+                    with process.oneshot():
+                        used, memory = process.cpu_times(), process.memory_info().rss
+                except psutil.Error:  # it has ended
+                    continue
                 meter.add(time.time_ns(), used.user + used.system, memory / MEGABYTE)
 
 
@@ -188,14 +188,7 @@ class ResourceRecording(Mapping[str, Usage]):
 
     def _usages(self) -> list[Usage]:
         with self._sampler.lock:
-            meters = [(m.label, m.nodes, m.pid, m.native_id is not None, m.samples[:]) for m in
-                      self._sampler.meters.values()]  # fmt: skip
-        usages = []
-        for label, nodes, pid, is_thread, samples in meters:
-            rows = np.array([(cpu, memory) for _, cpu, memory in samples], np.float64).reshape(-1, 2)
-            when = np.array([when for when, _, _ in samples], np.int64)
-            usages.append(Usage(label, nodes, pid, is_thread, when, rows[:, 0], rows[:, 1]))
-        return usages
+            return [meter.usage() for meter in self._sampler.meters.values()]
 
     def __getitem__(self, label: str) -> Usage:
         for one in self._usages():
