@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
-
 from course_kit.figures import Plot, style
 from course_kit.live.life import Bundle
 from course_kit.live.view import LONGEST, LiveView, as_picture
-from course_kit.recordings.recording import record
 from course_kit.series import field_paths, value_plots, value_series
 from course_kit.series.value_series import Values
 
@@ -26,9 +23,7 @@ def watch_values(
     wanted = [field_paths.parse(path) for path in paths]
     if not wanted:
         raise TypeError("give paths of numbers, such as '/turtle1/pose.x'")
-    types = value_series.live_types(wanted, timeout)
-    value_series.readers(wanted, types)
-    recording = record(*itertools.chain(*types.items()), keep=KEPT)
+    recording = value_series.record_live(wanted, timeout, keep=KEPT)
 
     def draw() -> Bundle:
         now = recording.duration

@@ -63,7 +63,6 @@ def measure(receive_ns: Int64s, sizes: Int64s, total: int | None = None, now_ns:
         raise ValueError(f"{len(receive_ns)} receive times for {len(sizes)} sizes: each message has one of both")
     count = len(receive_ns)
     # Differences of integers first: float64 cannot hold nanoseconds since the epoch.
-    periods = np.diff(receive_ns) * 1e-9
     seconds = int(receive_ns[-1] - receive_ns[0]) * 1e-9 if count > 1 else 0.0
     rate = (count - 1) / seconds if seconds > 0 else math.nan
     size = spread(sizes)
@@ -72,7 +71,7 @@ def measure(receive_ns: Int64s, sizes: Int64s, total: int | None = None, now_ns:
         messages=count if total is None else total,
         window=count,
         rate=rate,
-        period=spread(periods),
+        period=spread(np.diff(receive_ns) * 1e-9),
         size=size,
         bandwidth=rate * size.mean,
         age=age,
@@ -108,8 +107,7 @@ class ArrivalWindow:
 
     def appender(self) -> Callable[[int, int], None]:
         """A function (receive_ns, size) for the callback of a subscription: under a microsecond a message."""
-        receive, sizes = memoryview(self._receive_ns), memoryview(self._sizes)  # type: ignore[arg-type]
-        lock, size = self._lock, self._size
+        receive, sizes, lock, size = self._receive_ns.data, self._sizes.data, self._lock, self._size
 
         def append(receive_ns: int, message_size: int) -> None:
             with lock:

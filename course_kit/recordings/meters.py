@@ -41,11 +41,8 @@ class Rates(Mapping[str, Reading]):
         return len(self._readings)
 
     def __repr__(self) -> str:
-        rows: list[tuple[str, ...]] = [
-            ("topic", "rate", "period min", "max", "std dev", "delay", "bandwidth", "messages", "lost", "last")
-        ]
-        for topic, reading in self._readings.items():
-            rows.append((topic, *_cells(reading)))
+        heading = ("topic", "rate", "period min", "max", "std dev", "delay", "bandwidth", "messages", "lost", "last")
+        rows = [heading, *((topic, *_cells(reading)) for topic, reading in self._readings.items())]
         if all(row[DELAY] == "-" for row in rows[1:]):  # no message with a stamp
             rows = [(*row[:DELAY], *row[DELAY + 1 :]) for row in rows]
         return table(rows, left=1)
@@ -86,10 +83,6 @@ class RateMeter(Listening):
         self._delays: dict[str, ArrivalWindow] = {}  # of topics with a stamp; nanoseconds in place of the sizes
         self._size = window
         self._add_all(wanted)
-
-    def add(self, topic: str, message_type: Any) -> None:
-        """Measure one topic more from now on."""
-        self._add(topic, message_type)
 
     def _callback(self, topic: str, message_type: Any) -> Callback:
         self._windows[topic] = ArrivalWindow(self._size)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -26,10 +26,6 @@ class Messages(Sequence[Any]):
     def __len__(self) -> int:
         return len(self._indices)
 
-    @overload
-    def __getitem__(self, index: int) -> Any: ...
-    @overload
-    def __getitem__(self, index: slice) -> Messages: ...
     def __getitem__(self, index: int | slice) -> Any:
         if isinstance(index, slice):
             return Messages(self._serialised, self._message_type, self._indices[index])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -59,18 +60,13 @@ def _differentiate(clock: Float64s, x: Float64s, y: Float64s, heading: Float64s)
     return linear, np.gradient(np.unwrap(heading), clock)
 
 
-def _turtle(message: Any) -> tuple[float, ...]:
-    return message.x, message.y, message.theta, message.linear_velocity, message.angular_velocity
-
-
-def _pose_stamped(message: Any) -> tuple[float, ...]:
-    position = message.pose.position
-    return position.x, position.y, yaw(message.pose.orientation)
+def _pose(pose: Any) -> tuple[float, ...]:
+    return pose.position.x, pose.position.y, yaw(pose.orientation)
 
 
 def _odometry(message: Any) -> tuple[float, ...]:
-    position, twist = message.pose.pose.position, message.twist.twist
-    return position.x, position.y, yaw(message.pose.pose.orientation), twist.linear.x, twist.angular.z
+    twist = message.twist.twist
+    return *_pose(message.pose.pose), twist.linear.x, twist.angular.z
 
 
 def yaw(q: Any) -> float:
@@ -79,7 +75,7 @@ def yaw(q: Any) -> float:
 
 
 READERS: dict[str, Callable[[Any], tuple[float, ...]]] = {
-    "turtlesim/msg/Pose": _turtle,
-    "geometry_msgs/msg/PoseStamped": _pose_stamped,
+    "turtlesim/msg/Pose": attrgetter("x", "y", "theta", "linear_velocity", "angular_velocity"),
+    "geometry_msgs/msg/PoseStamped": lambda message: _pose(message.pose),
     "nav_msgs/msg/Odometry": _odometry,
 }

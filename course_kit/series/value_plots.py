@@ -49,9 +49,10 @@ def _series(what: tuple[Values | str, ...], source: Source | None, seconds: floa
     for one in what:
         if not isinstance(one, Values | str):
             raise TypeError(f"plot_values() draws paths and what values() returned, not {type(one).__name__}")
-    read = values(*paths, source=source, seconds=seconds) if paths else Values([])
-    found = [series for one in what if isinstance(one, Values) for series in one.values()]
-    drawn = [*found, *read.values()]
+    read = [one for one in what if isinstance(one, Values)]
+    if paths:
+        read.append(values(*paths, source=source, seconds=seconds))
+    drawn = [series for one in read for series in one.values()]
     if not drawn:
         raise TypeError("give paths of numbers, such as '/turtle1/pose.x', or what values() returned")
     return drawn

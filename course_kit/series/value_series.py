@@ -93,19 +93,21 @@ def values(*paths: str, source: Source | None = None, seconds: float = 2.0, time
         return from_recording(wanted, source)
     if source is not None:
         return from_bag(wanted, source)
-    types = live_types(wanted, timeout)
-    readers(wanted, types)  # refuses a bad path before it takes time to record
-    return from_recording(wanted, record(*itertools.chain(*types.items()), seconds=seconds, timeout=timeout))
+    return from_recording(wanted, record_live(wanted, timeout, seconds=seconds))
 
 
-def live_types(wanted: list[FieldPath], timeout: float) -> dict[str, Any]:
-    """The message class of each topic in paths, as nodes publish them now. TimeoutError for one that none does."""
+def record_live(wanted: list[FieldPath], timeout: float, **how: Any) -> Recording:
+    """Record the topics in paths, as nodes publish them now; `how` is that of record().
+
+    TimeoutError for a topic that no node publishes; a bad path is refused before it takes time to record.
+    """
     node = instruments.node()
     for path in wanted:
         if not path.field:  # '/turtle1/pose/x', as PlotJuggler writes it
-            names = _names_with(node, path.topic, timeout)
-            _refuse_slashes(path, names)
-    return topics.look_up(node, topics.with_types(list(dict.fromkeys(path.topic for path in wanted))), timeout)
+            _refuse_slashes(path, _names_with(node, path.topic, timeout))
+    types = topics.look_up(node, topics.with_types([path.topic for path in wanted]), timeout)
+    readers(wanted, types)
+    return record(*itertools.chain(*types.items()), timeout=timeout, **how)
 
 
 def _names_with(node: Node, topic: str, timeout: float) -> list[str]:

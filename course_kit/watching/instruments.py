@@ -6,6 +6,7 @@ They are apart from the student's nodes: a student's callback that blocks stalls
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import threading
 from collections.abc import Callable, Iterator
@@ -35,7 +36,6 @@ class _Instruments:
     """What runs for one start of the ROS context."""
 
     start: int
-    node: Node
     watcher: Watcher
     spinning: SpinThread
 
@@ -60,7 +60,7 @@ def node() -> Node:
 
     Its name is hidden. Start and restart (after rclpy.shutdown()) are automatic, so ask for it anew at each use.
     """
-    return _running().node
+    return _running().spinning.node
 
 
 def executor() -> Executor:
@@ -82,14 +82,13 @@ def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeo
     or two, ValueError for a bad name. End it with .close().
     """
     name = topics.absolute(topic)
-    running = _running()
+    watcher = _running().watcher
     if msg_type is None:
-        msg_type = topics.wait_for_type(running.node, name, timeout)
+        msg_type = topics.wait_for_type(watcher.node, name, timeout)
     message_type = topics.message_class(msg_type) if isinstance(msg_type, str) else msg_type
-    topics.check_type(running.node, name, topics.type_name(message_type))
-    published = topics.publishers(running.node, name)
-    qos = topics.qos_for(name, published)
-    subscription = running.watcher.subscribe(name, message_type, qos, callback)
+    topics.check_type(watcher.node, name, topics.type_name(message_type))
+    published = topics.publishers(watcher.node, name)
+    subscription = watcher.subscribe(name, message_type, topics.qos_for(name, published), callback)
     wait_until(lambda: subscription.publisher_count >= len(published), topics.MATCH_TIMEOUT)
     return subscription
 
@@ -137,18 +136,11 @@ def _running() -> _Instruments:
             if _instruments.start == start and _instruments.watcher.is_alive:
                 return _instruments
             stop()  # those of a context that was shut down
-        _instruments = _make(start)
+        made = quiet_node(f"{_name_prefix}_{os.getpid()}", with_rosout=_with_rosout)
+        report = functools.partial(errors.report, made.get_fully_qualified_name())
+        spinning = SpinThread(made, report, fast_executor(made.context)).start()
+        _instruments = _Instruments(start, Watcher(made, report), spinning)
         return _instruments
-
-
-def _make(start: int) -> _Instruments:
-    made = quiet_node(f"{_name_prefix}_{os.getpid()}", with_rosout=_with_rosout)
-
-    def report(error: Exception) -> None:
-        errors.report(made.get_fully_qualified_name(), error)
-
-    spinning = SpinThread(made, report, fast_executor(made.context)).start()
-    return _Instruments(start, made, Watcher(made, report), spinning)
 
 
 def stop() -> None:
@@ -161,5 +153,5 @@ def stop() -> None:
     ending.watcher.stop()
     ending.spinning.stop(2.0)
     for closer in _closers:
-        closer(ending.node)
+        closer(ending.spinning.node)
     ending.spinning.close()

@@ -36,8 +36,8 @@ class Listening:
         """What to call with each message of a topic."""
         raise NotImplementedError
 
-    def _add(self, topic: str, message_type: Any) -> None:
-        """Listen to one topic more."""
+    def add(self, topic: str, message_type: Any) -> None:
+        """Listen to one topic more from now on."""
         callback = self._callback(topic, message_type)
         self._subscriptions[topic] = instruments.subscribe(topic, callback, message_type)
 
@@ -45,7 +45,7 @@ class Listening:
         """Listen to topics with these types; if one cannot be, to none."""
         try:
             for topic, message_type in wanted.items():
-                self._add(topic, message_type)
+                self.add(topic, message_type)
         except BaseException:
             self._end()
             raise

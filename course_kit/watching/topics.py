@@ -90,14 +90,12 @@ def node_name(endpoint: TopicEndpointInfo) -> str:
 
 def publishers(node: Node, topic: str) -> list[TopicEndpointInfo]:
     """The publishers of a topic that the graph knows now."""
-    found: list[TopicEndpointInfo] = node.get_publishers_info_by_topic(topic)
-    return found
+    return node.get_publishers_info_by_topic(topic)
 
 
 def subscriptions(node: Node, topic: str) -> list[TopicEndpointInfo]:
     """The subscriptions to a topic that the graph knows now."""
-    found: list[TopicEndpointInfo] = node.get_subscriptions_info_by_topic(topic)
-    return found
+    return node.get_subscriptions_info_by_topic(topic)
 
 
 def published(node: Node) -> list[str]:
