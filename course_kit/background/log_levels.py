@@ -30,12 +30,12 @@ def log_level(node: Node | str, timeout: float = 5.0) -> str:
     """
     own = _own(node)
     if own is not None:
-        return _name(own.get_logger().get_effective_level())
+        return LEVELS.get(own.get_logger().get_effective_level(), DEFAULT)
     name = _wait_for_node(node, timeout)
     # The empty name is the logger above all others, whose level counts where a node has none.
     request = GetLoggerLevels.Request(names=[_logger(name), ""])
     levels = _call(GetLoggerLevels, name, "get_logger_levels", request, timeout).levels
-    return next((_name(level.level) for level in levels if level.level), DEFAULT)
+    return next((LEVELS.get(level.level, DEFAULT) for level in levels if level.level), DEFAULT)
 
 
 def set_log_level(node: Node | str, level: str, timeout: float = 5.0) -> None:
@@ -63,10 +63,6 @@ def _own(node: Node | str) -> Node | None:
         raise TypeError(f"give a node or the name of one, not {type(node).__name__}")
     name = "/" + node.strip("/")
     return next((one for one in running.nodes() if one.get_fully_qualified_name() == name), None)
-
-
-def _name(level: int) -> str:
-    return LEVELS.get(int(level), DEFAULT)
 
 
 def _logger(node: str) -> str:

@@ -45,18 +45,17 @@ class _Running:
 
 _lock = threading.RLock()
 _running: dict[str, _Running] = {}
-_listeners: list[Callable[[str, str], None]] = []
+_listeners: set[Callable[[str, str], None]] = set()
 _constructing = threading.local()  # its `name` is that of the node whose constructor runs in this thread
 
 
 def listen(listener: Callable[[str, str], None]) -> None:
     """Have `listener(event, node name)` called on each event: "starting", "running", "failed", "stopped"."""
-    if listener not in _listeners:
-        _listeners.append(listener)
+    _listeners.add(listener)
 
 
 def _tell(event: str, name: str) -> None:
-    for listener in _listeners:
+    for listener in list(_listeners):
         listener(event, name)
 
 

@@ -43,21 +43,19 @@ class LogLine:
 
 
 _lines: deque[LogLine] = deque(maxlen=KEPT)
-_listeners: list[Callable[[LogLine], None]] = []
+_listeners: set[Callable[[LogLine], None]] = set()
 _lock = threading.Lock()
 _subscription: Any = None
 
 
 def listen(listener: Callable[[LogLine], None]) -> None:
     """Have `listener` called, in the instruments' thread, for each line from now on."""
-    if listener not in _listeners:
-        _listeners.append(listener)
+    _listeners.add(listener)
 
 
 def unlisten(listener: Callable[[LogLine], None]) -> None:
     """Have `listener` called no more."""
-    if listener in _listeners:
-        _listeners.remove(listener)
+    _listeners.discard(listener)
 
 
 def collect() -> None:

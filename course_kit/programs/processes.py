@@ -27,7 +27,7 @@ Listener = Callable[["Process"], None]
 
 _lock = threading.RLock()
 _processes: dict[str, Process] = {}
-_listeners: list[tuple[Listener, Listener]] = []  # of a start, and of what changes then
+_listeners: set[tuple[Listener, Listener]] = set()  # of a start, and of what changes then
 
 
 def start(
@@ -55,7 +55,7 @@ def start(
         _processes[name] = process
         atexit.unregister(_end)
         atexit.register(_end)
-    for on_start, _ in _listeners:
+    for on_start, _ in list(_listeners):
         on_start(process)
     process.add_done_callback(_tell)
     process.begin()
@@ -104,12 +104,11 @@ def _words(command: str | Sequence[str]) -> list[str]:
 
 def listen(on_start: Listener, on_change: Listener) -> None:
     """Have `on_start(process)` called in the cell that starts one, `on_change(process)` for each line and the end."""
-    if (on_start, on_change) not in _listeners:
-        _listeners.append((on_start, on_change))
+    _listeners.add((on_start, on_change))
 
 
 def _tell(process: Process) -> None:
-    for _, on_change in _listeners:
+    for _, on_change in list(_listeners):
         on_change(process)
 
 

@@ -39,11 +39,9 @@ class CallbackError:
         times = f" ({self.count} times)" if self.count > 1 else ""
         return "\n".join([f"a callback of {self.node} raised {self.title}{times}", *where])
 
-    def same_place(self, other: CallbackError) -> bool:
-        """Whether the same line of the same node raised the same type again."""
-        return self._place() == other._place()
-
-    def _place(self) -> tuple[Any, ...]:
+    @property
+    def place(self) -> tuple[Any, ...]:
+        """What it has in common with others of the same type that the same line of the same node raised."""
         return self.node, type(self.exception), [(f.filename, f.lineno) for f in self.frames[-1:]]
 
 
@@ -57,7 +55,7 @@ def _is_plumbing(path: Path) -> bool:
 # Nodes of this process, whose errors are reported here.
 reporting: set[str] = set()
 _errors: deque[CallbackError] = deque(maxlen=KEPT)
-_listeners: list[Callable[[CallbackError], None]] = []
+_listeners: set[Callable[[CallbackError], None]] = set()
 _lock = threading.Lock()
 
 
@@ -66,7 +64,7 @@ def report(node: str, exception: Exception) -> None:
     error = CallbackError(node, exception)
     with _lock:
         last = next((e for e in reversed(_errors) if e.node == node), None)
-        if last is not None and last.same_place(error):
+        if last is not None and last.place == error.place:
             last.count, last.when, last.exception = last.count + 1, error.when, exception
             error = last
         else:
@@ -77,8 +75,7 @@ def report(node: str, exception: Exception) -> None:
 
 def listen(listener: Callable[[CallbackError], None]) -> None:
     """Have `listener` called, in the executor's thread, for each error from now on."""
-    if listener not in _listeners:
-        _listeners.append(listener)
+    _listeners.add(listener)
 
 
 def errors(node: str | None = None) -> list[CallbackError]:

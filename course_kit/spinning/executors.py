@@ -105,11 +105,8 @@ class SpinThread:
         before.shutdown(timeout_sec=0.5)
         self.executor.add_node(self.node)
 
-    def stop(self, timeout: float = 1.0) -> bool:
-        """End the thread; return whether it ended within `timeout` seconds or so.
-
-        A callback that does not return in time has NodeStopped raised inside it.
-        """
+    def stop(self, timeout: float = 1.0) -> None:
+        """End the thread. A callback that does not return within `timeout` seconds has NodeStopped raised inside it."""
         self._stopping.set_result(None)
         with contextlib.suppress(Exception):  # the context may be gone
             self.executor.create_task(lambda: None)  # wake() alone does not end spin_once()
@@ -120,7 +117,6 @@ class SpinThread:
                 self._thread.join(0.5)
         if not self._thread.is_alive():
             _threads.pop(self._thread, None)
-        return not self._thread.is_alive()
 
 
 def interrupt(thread: threading.Thread) -> None:
