@@ -58,6 +58,6 @@ def widen(axes: Axes, span: float) -> None:
 
 
 def legend(axes: Axes, **where: Any) -> None:
-    """A legend for axes that have labelled lines."""
-    if axes.get_legend_handles_labels()[0]:
+    """A legend of the given `handles`, or for axes that have labelled lines."""
+    if "handles" in where or axes.get_legend_handles_labels()[0]:
         axes.legend(fontsize=8.5, frameon=True, facecolor=PANEL, edgecolor=LINES, labelcolor=INK, **where)

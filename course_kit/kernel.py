@@ -17,7 +17,8 @@ def in_kernel() -> bool:
     return hasattr(shell(), "kernel")
 
 
-def request() -> dict[str, Any]:
-    """The request to run the present cell, as Jupyter's messages have it; empty outside of a kernel."""
+def cell() -> tuple[str, str]:
+    """What identifies the cell that runs now, also when it is run again, and this run of it; empty elsewhere."""
     running: Any = shell()
-    return running.get_parent() if in_kernel() else {}
+    request = running.get_parent() if in_kernel() else {}
+    return str(request.get("metadata", {}).get("cellId", "")), str(request.get("header", {}).get("msg_id", ""))

@@ -10,7 +10,7 @@ from matplotlib.patches import FancyBboxPatch, Patch
 
 from course_kit.calls.goals import ENDS, Goal, goals_of
 from course_kit.calls.sequences import Arrow, Bar, plot_sequence
-from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot, style
+from course_kit.figures import COLOURS, FAINT, INK, PANEL, Plot, legend, style
 from course_kit.recordings.recording import Recording
 
 SERVER, CLIENT = COLOURS[0], COLOURS[1]  # who brings a change about
@@ -63,8 +63,7 @@ def plot_goal_states() -> Plot:
         Line2D([], [], color=CLIENT, linewidth=1.8, label="the client asks, the server agrees"),
         Patch(facecolor=PANEL, edgecolor=OF_END["SUCCEEDED"], linewidth=2.2, label="ends of a goal"),
     ]
-    axes.legend(handles=handles, loc="lower center", ncols=3, fontsize=8.5, labelcolor=INK, facecolor=PANEL,
-                edgecolor=LINES)  # fmt: skip
+    legend(axes, handles=handles, loc="lower center", ncols=3)
     return plot
 
 
@@ -116,10 +115,7 @@ def plot_goals(recorded: Recording, title: str | None = None) -> Plot:
     axes.set_xlim(-0.02 * end, max(end, 0.1) * 1.16)
     handles: list[Patch | Line2D] = [Patch(facecolor=c, edgecolor=FAINT, label=s) for s, c in OF_STATE.items()]
     handles.append(Line2D([], [], marker="|", linestyle="", color=INK, markersize=9, label="feedback"))
-    axes.legend(
-        handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, fontsize=8.5, labelcolor=INK,
-        facecolor=PANEL, edgecolor=LINES,
-    )  # fmt: skip
+    legend(axes, handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4)
     return plot
 
 

@@ -24,7 +24,7 @@ class Console:
     """What stands under the cell that has started something, and changes."""
 
     def __init__(self) -> None:
-        self.cell = current_cell()
+        self.cell = kernel.cell()
         self._shown = Shown(self.bundle())
 
     def bundle(self) -> dict[str, str]:
@@ -84,7 +84,7 @@ def attach() -> None:
 def _on_event(event: str, name: str) -> None:
     if event == "starting":
         earlier = _consoles.get(name)
-        if earlier is None or earlier.cell != current_cell():
+        if earlier is None or earlier.cell != kernel.cell():
             _consoles[name] = NodeConsole(name)
         else:  # run again by the same cell, in a loop for instance
             earlier.state = "running"
@@ -96,26 +96,19 @@ def _on_event(event: str, name: str) -> None:
             _mark(name)
 
 
-def current_cell() -> str:
-    """What identifies the cell that runs now: the id of the request to run it."""
-    return str(kernel.request().get("header", {}).get("msg_id"))
-
-
 def _on_error(error: errors.CallbackError) -> None:
     _mark(error.node)
 
 
 def _on_line(line: rosout.LogLine) -> None:
-    console = _consoles.get(line.node)
-    if console is not None:
-        console.lines.append(line)
+    if line.node in _consoles:
+        _consoles[line.node].lines.append(line)
         _mark(line.node)
 
 
 def _mark(name: str) -> None:
-    console = _consoles.get(name)
-    if console is not None:
-        refresh(console)
+    if name in _consoles:
+        refresh(_consoles[name])
 
 
 def refresh(console: Console) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 
-from course_kit.live.console import Console, bundle, current_cell, refresh
+from course_kit import kernel
+from course_kit.live.console import Console, bundle, refresh
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 
@@ -34,7 +35,7 @@ def attach() -> None:
 
 def _on_start(process: Process) -> None:
     earlier = _consoles.get(process.name)
-    if earlier is None or earlier.cell != current_cell():
+    if earlier is None or earlier.cell != kernel.cell():
         _consoles[process.name] = ProcessConsole(process)
     else:  # started again by the same cell, in a loop for instance
         earlier.process = process
@@ -42,6 +43,5 @@ def _on_start(process: Process) -> None:
 
 
 def _on_change(process: Process) -> None:
-    console = _consoles.get(process.name)
-    if console is not None and console.process is process:
-        refresh(console)
+    if process.name in _consoles and _consoles[process.name].process is process:
+        refresh(_consoles[process.name])

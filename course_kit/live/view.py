@@ -27,7 +27,7 @@ class LiveView(Life):
         self._draw, self._close = draw, close
         self._period = period
         self._deadline = time.monotonic() + seconds
-        self._cell, self._request = _cell()
+        self._cell, self._request = kernel.cell()
         stop_all(self._replaces)
         self._shown = Shown(draw())
         self._begin(f"live {what}", period)
@@ -62,19 +62,10 @@ class LiveView(Life):
         self._close()
 
 
-def _cell() -> tuple[str, str]:
-    """What identifies the cell that runs now, also when it is run again, and this run of it; empty elsewhere."""
-    request = kernel.request()
-    return str(request.get("metadata", {}).get("cellId", "")), str(request.get("header", {}).get("msg_id", ""))
-
-
 def as_text(text: str) -> Bundle:
     """A table, or other aligned text, as plain text and as HTML in the notebook's own colours; lines do not wrap."""
     css = "margin:0;overflow-x:auto;white-space:pre"
-    return {
-        "text/plain": text,
-        "text/html": f"<pre class='course-kit-live' style='{css}'>{html.escape(text)}</pre>",
-    }
+    return {"text/plain": text, "text/html": f"<pre class='course-kit-live' style='{css}'>{html.escape(text)}</pre>"}
 
 
 def as_picture(figure: Plot) -> Bundle:
