@@ -160,6 +160,7 @@ def test_a_finished_venv_is_ready(finished):
         "course_kit/environment/requirements.lock",
         "course_kit/environment/prefix/share/course_kit/bashrc.sh",
         "course_kit/interfaces/build_hook.py",
+        "course_kit/interfaces/course_kit_environment.pth",
         "course_kit/interfaces/rosidl.py",
         "course_kit/interfaces/turtlesim/msg/Pose.msg",
     ],

@@ -8,6 +8,7 @@ Runs before anything is installed, so it uses the standard library alone:
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -16,24 +17,10 @@ from course_kit.environment import compiler
 from course_kit.environment.activation import sourced_ros
 
 LOCK = Path(__file__).with_name("requirements.lock")
+REQUIREMENT = r"^(([\w.-]+).*\n(?: .*\n)*)"  # its name, version and marker, and the hashes below
 # What apt's ROS 2 depends on and so has brought, beside the wheels of ROS 2. Its colcon is a package that many do not
 # install, so ours stays.
 BROUGHT_BY_ROS = ("cmake", "ninja")
-
-
-def blocks(text: str) -> Iterator[tuple[str, str]]:
-    """Each requirement of a lock as (name, its lines: version, marker, hashes)."""
-    name, lines = "", ""
-    for line in text.splitlines(keepends=True):
-        if line.startswith("#"):
-            continue
-        if not line.startswith(" "):
-            if name:
-                yield name, lines
-            name, lines = line.partition("==")[0].partition("[")[0], ""
-        lines += line
-    if name:
-        yield name, lines
 
 
 def is_ros(name: str) -> bool:
@@ -48,7 +35,7 @@ def compiler_is_wanted(environ: Mapping[str, str]) -> bool:
 
 def installed(with_ros: bool, with_compiler: bool) -> Iterator[str]:
     """Each requirement of the lock that is meant for a machine, with its lines of hashes."""
-    for name, lines in blocks(LOCK.read_text()):
+    for lines, name in re.findall(REQUIREMENT, LOCK.read_text(), re.MULTILINE):
         if (with_ros or not is_ros(name)) and (with_compiler or name != compiler.WHEEL):
             yield lines
 

@@ -32,7 +32,7 @@ def sources(root: Path) -> Iterator[Path]:
     kit = root / "course_kit"
     yield root / "pyproject.toml"
     yield from (kit / "environment" / name for name in ("requirements.lock", "compiler.py", "pins.py"))
-    yield from (kit / "interfaces" / name for name in ("build_hook.py", "rosidl.py"))
+    yield from (kit / "interfaces" / name for name in ("build_hook.py", "course_kit_environment.pth", "rosidl.py"))
     for folder in (kit / "environment/prefix", *(p.parent for p in sorted(kit.glob("interfaces/*/package.xml")))):
         yield from sorted(p for p in folder.rglob("*") if p.is_file() and p.parent.name != "__pycache__")
 

@@ -17,12 +17,16 @@ sys.path.insert(0, str(ROOT))
 
 from course_kit.environment import compiler, pins  # noqa: E402
 from course_kit.environment.activation import has_package, sourced_ros  # noqa: E402
+from course_kit.environment.interpreter import INTERFACES, interfaces_to_compile  # noqa: E402
 from course_kit.interfaces import rosidl  # noqa: E402
 
-DEFINITIONS = ROOT / "course_kit" / "interfaces"
 PREFIX = ROOT / "course_kit" / "environment" / "prefix"
 # The generators and the linker need these; their versions are those of the lock.
 BUILD_WHEELS = ("ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "ros-action-msgs", "empy", "numpy")
+# Gives every Python of the environment what sourcing would. Python reads .pth files in the order of their names: this
+# after the editable install's own, which starts with an underscore, and before ros_wheels_bootstrapper.pth, which
+# restarts Python.
+STARTUP = INTERFACES / "course_kit_environment.pth"
 TOOLS = "share/course_kit/compiler"
 
 
@@ -45,9 +49,7 @@ class Interfaces(BuildHookInterface):
 
     def packages(self) -> dict[str, Path]:
         """{name: folder} of what has to be compiled."""
-        ros = sourced_ros(os.environ)
-        names = sorted(path.parent for path in DEFINITIONS.glob("*/package.xml"))
-        return {p.name: p for p in names if ros is None or not has_package(ros.prefix, p.name)}
+        return {name: INTERFACES / name for name in interfaces_to_compile(sourced_ros(os.environ))}
 
     def dependencies(self) -> list[str]:
         """The packages that compiling needs."""
@@ -60,7 +62,7 @@ class Interfaces(BuildHookInterface):
         """Compile the interfaces and add them to the wheel."""
         work = ROOT / "build" / f"rosidl-{sysconfig.get_config_var('SOABI')}"
         work.mkdir(parents=True, exist_ok=True)
-        include, shared = self._startup(work), build_data["shared_data"]
+        include, shared = {str(STARTUP): STARTUP.name}, build_data["shared_data"]
         for path in sorted(p for p in PREFIX.rglob("*") if p.is_file()):
             shared[str(path)] = str(path.relative_to(PREFIX))
         if pins.compiler_is_wanted(os.environ):
@@ -74,15 +76,6 @@ class Interfaces(BuildHookInterface):
             self._force_platform_tag(build_data)
         build_data["shared_data"] = shared
         build_data["force_include_editable" if version == "editable" else "force_include"].update(include)
-
-    @staticmethod
-    def _startup(work: Path) -> dict[str, str]:
-        """The .pth file that gives every Python of the environment what sourcing would."""
-        # Python reads .pth files in the order of their names: after the editable install's own, which starts
-        # with an underscore, and before ros_wheels_bootstrapper.pth, which restarts Python.
-        path = work / "course_kit_environment.pth"
-        path.write_text("import course_kit.environment.activation as a; a.activate()\n")
-        return {str(path): path.name}
 
     @staticmethod
     def _tools(folder: Path) -> dict[str, str]:
