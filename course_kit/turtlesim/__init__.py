@@ -9,8 +9,6 @@ if TYPE_CHECKING:
     from course_kit.turtlesim.node import TurtleSim as TurtleSim
     from course_kit.turtlesim.teleop import Teleop as Teleop
 
-__all__ = ["Teleop", "TurtleSim"]
-
 
 def __getattr__(name: str) -> Any:
     # Lazily, because the pure parts (world, field, picture) are used where no ROS is.

@@ -64,7 +64,7 @@ class TurtleSim(Node):
             else:
                 self.get_logger().error(text)
         for interface in (*self._interfaces.values(), *self._retired.values()):
-            interface.settle()
+            interface.rotate.settle()
 
     def serving(self, change: Callable[[Any], object]) -> Callable[[Any, Any], Any]:
         """The callback of a service that changes the world by what is asked and answers nothing."""
@@ -101,7 +101,7 @@ class TurtleSim(Node):
             if self._destroyed:
                 return
             for interface in self._interfaces.values():
-                interface.pass_cancels()
+                interface.rotate.pass_cancels()
             for name, reading in self.world.tick(time.monotonic_ns()).items():
                 self._interfaces[name].publish(reading)
             self.settle()

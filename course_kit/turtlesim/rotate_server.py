@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -11,13 +11,6 @@ from rclpy.node import Node
 from turtlesim.action import RotateAbsolute
 
 from course_kit.turtlesim.turtle import Outcome, Rotation
-
-
-class Goal(NamedTuple):
-    """A goal that its client waits for, and the rotation that stands for it in the world."""
-
-    handle: ServerGoalHandle
-    rotation: Rotation
 
 
 class RotateServer(ActionServer):
@@ -32,13 +25,14 @@ class RotateServer(ActionServer):
         self._destroyed = False
         self._server_node = node
         self._begin = begin
-        self._goals: list[Goal] = []
+        # Goals that their clients wait for, and the rotation that stands for each in the world.
+        self._goals: list[tuple[ServerGoalHandle, Rotation]] = []
         super().__init__(
             node,
             RotateAbsolute,
             name,
             execute_callback=self._never,
-            goal_callback=self._on_goal,
+            goal_callback=lambda _: GoalResponse.REJECT if self.retired else GoalResponse.ACCEPT,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
@@ -48,24 +42,24 @@ class RotateServer(ActionServer):
             super().notify_execute(goal_handle, execute_callback)
             return
         self.used = True
-        self._goals.append(Goal(goal_handle, self._begin(goal_handle.request.theta)))
+        self._goals.append((goal_handle, self._begin(goal_handle.request.theta)))
         self.settle()
 
     def pass_cancels(self) -> None:
         """Tell the world which rotations are to be cancelled."""
-        for goal in self._goals:
-            goal.rotation.canceling = goal.handle.is_cancel_requested
+        for handle, rotation in self._goals:
+            rotation.canceling = handle.is_cancel_requested
 
     def publish_feedback(self, remaining: float) -> None:
         """Tell the running goal's client how many radians are left."""
         feedback = RotateAbsolute.Feedback(remaining=remaining)
-        for goal in self._goals:
-            goal.handle.publish_feedback(feedback)
+        for handle, _ in self._goals:
+            handle.publish_feedback(feedback)
 
     def settle(self) -> None:
         """Send the results of the goals whose rotation has ended."""
-        ended = [goal for goal in self._goals if goal.rotation.outcome is not None]
-        self._goals = [goal for goal in self._goals if goal.rotation.outcome is None]
+        ended = [goal for goal in self._goals if goal[1].outcome is not None]
+        self._goals = [goal for goal in self._goals if goal[1].outcome is None]
         for handle, rotation in ended:
             if rotation.outcome is Outcome.SUCCEEDED:
                 handle.succeed()
@@ -81,8 +75,8 @@ class RotateServer(ActionServer):
         """Leave the graph; goals that still run are aborted."""
         if not self._destroyed:
             self._destroyed = True
-            for goal in self._goals:
-                goal.handle.abort()
+            for handle, _ in self._goals:
+                handle.abort()
             self._goals.clear()
             super().destroy()
 
@@ -100,9 +94,6 @@ class RotateServer(ActionServer):
         """Be waited for, unless it is destroyed."""
         if not self._destroyed:
             super().add_to_wait_set(wait_set)
-
-    def _on_goal(self, _: RotateAbsolute.Goal) -> GoalResponse:
-        return GoalResponse.REJECT if self.retired else GoalResponse.ACCEPT
 
     def _never(self, goal_handle: ServerGoalHandle) -> RotateAbsolute.Result:
         raise NotImplementedError("goals are driven by the ticks")

@@ -174,8 +174,7 @@ class Turtle:
     def _stay_inside(self, log: list[TurtleLogLine]) -> None:
         if 0 <= self.x <= EXTENT and 0 <= self.depth <= EXTENT:
             return
-        where = f"[x={self.x:f}, y={self.depth:f}]"
-        log.append(TurtleLogLine("warn", f"Oh no! I hit the wall! (Clamping from {where})"))
+        log.append(TurtleLogLine("warn", f"Oh no! I hit the wall! (Clamping from [x={self.x:f}, y={self.depth:f}])"))
         self.x = min(max(self.x, 0.0), EXTENT)
         self.depth = min(max(self.depth, 0.0), EXTENT)
 

@@ -31,7 +31,7 @@ class TurtleInterface:
         self._name = name
         self._lingers = 0  # ticks left for a killed turtle
         self._topics_and_services = contextlib.ExitStack()  # which ends them
-        self._rotate = RotateServer(node, f"{name}/rotate_absolute", lambda goal: node.world.rotate(name, goal))
+        self.rotate = RotateServer(node, f"{name}/rotate_absolute", lambda goal: node.world.rotate(name, goal))
         try:
             self._create_topics_and_services()
         except Exception:
@@ -43,13 +43,13 @@ class TurtleInterface:
     def retire(self) -> None:
         """Take a killed turtle out of the graph; its action goes later, and rejects goals until then."""
         self._topics_and_services.close()
-        self._rotate.retired = True
-        self._lingers = LINGER if self._rotate.used else 0
+        self.rotate.retired = True
+        self._lingers = LINGER if self.rotate.used else 0
 
     def revive(self) -> None:
         """Bring a turtle back that was killed a moment ago."""
         self._create_topics_and_services()
-        self._rotate.retired = False
+        self.rotate.retired = False
 
     def linger(self) -> bool:
         """Count a tick of a killed turtle; False when its time is over."""
@@ -59,26 +59,15 @@ class TurtleInterface:
     def destroy(self) -> None:
         """Take all of it out of the graph at once."""
         self._topics_and_services.close()
-        self._rotate.destroy()
-
-    # Around each tick.
-
-    def pass_cancels(self) -> None:
-        """Tell the world whether the turtle's rotation is to be cancelled."""
-        self._rotate.pass_cancels()
+        self.rotate.destroy()
 
     def publish(self, reading: Reading) -> None:
         """Publish what a tick has told about the turtle."""
         if reading.remaining is not None:
-            self._rotate.publish_feedback(reading.remaining)
-        x, y, theta, linear, angular = reading.pose
-        self._pose.publish(Pose(x=x, y=y, theta=theta, linear_velocity=linear, angular_velocity=angular))
+            self.rotate.publish_feedback(reading.remaining)
+        self._pose.publish(Pose(**reading.pose._asdict()))
         red, green, blue = reading.color
         self._color.publish(Color(r=red, g=green, b=blue))
-
-    def settle(self) -> None:
-        """Send the results of rotations that have ended."""
-        self._rotate.settle()
 
     # Its entities and their callbacks.
 

@@ -84,8 +84,7 @@ class World:
             depth = float32(EXTENT - y)  # in float32 as the original's
             self.turtles[name] = Turtle(name, x, depth, theta, last_command=now, shell=self._shells)
             self._shells += 1
-            where = f"x=[{x:f}], y=[{y:f}], theta=[{theta:f}]"
-            self._say("info", f"Spawning turtle [{name}] at {where}")
+            self._say("info", f"Spawning turtle [{name}] at x=[{x:f}], y=[{y:f}], theta=[{theta:f}]")
             return name
 
     def kill(self, name: str) -> bool:
