@@ -7,9 +7,8 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from types import FrameType
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -24,43 +23,35 @@ END_TIMEOUT = 3.0  # seconds for leaving ROS; a launch waits 5 before its next s
 NodeType = TypeVar("NodeType", bound=Node)
 
 
-@dataclass(frozen=True)
-class Program(Generic[NodeType]):
-    """A program that runs: its node, the node's executor, and whether a signal has asked for its end."""
-
-    node: NodeType
-    executor: SingleThreadedExecutor
-    is_to_end: Callable[[], bool]
-
-
 def spin(name: str, node_class: Callable[[], Node], args: list[str] | None) -> None:
     """Run one node until Ctrl-C or SIGTERM; exit status 0."""
-    with program(name, node_class, args) as running:
-        while not running.is_to_end():
-            running.executor.spin_once(timeout_sec=1)
+    with program(name, node_class, args) as (_, executor, asked):
+        while not asked:
+            executor.spin_once(timeout_sec=1)
 
 
 @contextmanager
-def program(name: str, node_class: Callable[[], NodeType], args: list[str] | None) -> Iterator[Program[NodeType]]:
+def program(
+    name: str, node_class: Callable[[], NodeType], args: list[str] | None
+) -> Iterator[tuple[NodeType, SingleThreadedExecutor, list[int]]]:
     """Start ROS with the command line (or args) and make the node; both end after the block.
 
-    Ctrl-C and SIGTERM ask for the end; a second Ctrl-C ends the block at once. Arguments that ROS does not take end the
-    program with one line and exit status 1.
+    The block gets the node, its executor, and the signals that have asked for its end so far: Ctrl-C and SIGTERM ask
+    for it, a second Ctrl-C ends the block at once. Arguments that ROS does not take end the program with one line and
+    exit status 1.
     """
     # rclpy's own handlers end the context from another thread: in the middle of a node's constructor that is
     # an error, and so it is in the middle of try_shutdown().
     asked: list[int] = []
     made: list[Node] = []
     status = 1
-    before = {number: signal.getsignal(number) for number in SIGNALS}
 
     def on_signal(number: int, _: FrameType | None) -> None:
         asked.append(number)
         for each in SIGNALS:
             signal.signal(each, signal.default_int_handler)
 
-    for number in SIGNALS:
-        signal.signal(number, on_signal)
+    before = {number: signal.signal(number, on_signal) for number in SIGNALS}
     try:
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
@@ -70,7 +61,7 @@ def program(name: str, node_class: Callable[[], NodeType], args: list[str] | Non
         made.append(node)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        yield Program(node, executor, lambda: bool(asked))
+        yield node, executor, asked
         status = 0
     except (KeyboardInterrupt, ExternalShutdownException):
         status = 0

@@ -114,16 +114,16 @@ def main(args: list[str] | None = None) -> None:
     if not sys.stdin.isatty():
         sys.exit("teleop_turtle reads keys, but its standard input is not a terminal: start it in one")
     with (
-        program("teleop_turtle", Teleop, args) as running,
+        program("teleop_turtle", Teleop, args) as (node, executor, asked),
         Keyboard(sys.stdin.fileno()) as keyboard,
         contextlib.suppress(EOFError),
     ):
         print(USAGE, flush=True)
-        while not running.is_to_end():
+        while not asked:
             key = keyboard.read(timeout=0.01)
-            if key in KEYS and not running.node.press(key):
+            if key in KEYS and not node.press(key):
                 return
-            running.executor.spin_once(timeout_sec=0)
+            executor.spin_once(timeout_sec=0)
 
 
 if __name__ == "__main__":
