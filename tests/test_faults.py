@@ -18,7 +18,7 @@ from course_kit.ros2.command import parser_for
 pytestmark = pytest.mark.usefixtures("fresh_domain")
 
 EVERY = list(all_faults.FAULTS.values())
-GOOD = health.Observation(2.0, scans=10.0, commands=10.0, distance=1.5, scans_in_map=10.0, log_lines=2)
+GOOD = health.Observation(scans=10.0, commands=10.0, distance=1.5, scans_in_map=10.0, log_lines=2)
 
 
 @pytest.fixture

@@ -280,7 +280,7 @@ def test_fault(name: str, station: Station):
     listening = health.Watch(station)
     SEE[name]()
     wait_until(lambda: listening.seconds >= health.WINDOW)
-    assert not all(one.ok for one in health.findings(listening.observe(health.WINDOW)))
+    assert not all(one.ok for one in health.findings(listening.observe()))
     station.tidy()
     for one in all_faults.options(fault):
         assert bool(faults.answer(one.id)) == (one.id == name)

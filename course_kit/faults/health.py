@@ -9,13 +9,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from course_kit.examining.paths import length
+from course_kit.examining.station import Heard, Station
 from course_kit.examining.verdict import Finding
-
-if TYPE_CHECKING:
-    from course_kit.examining.station import Heard, Station
+from course_kit.ros_graph import graph
+from course_kit.watching.topics import message_class
 
 Wait = Callable[[Callable[[], bool], float], object]  # wait(condition, timeout): until it holds or the time is over
 
@@ -24,13 +24,19 @@ RATE = 10.0  # Hz, of scans and of commands
 WITHIN = 0.25  # parts of the rate: two seconds on a busy machine
 DISTANCE = 0.5  # metres that a driving turtle makes at least in that time
 LOG_LINES = 40  # in that time
+TOPICS = {
+    "/scan": "sensor_msgs/msg/LaserScan",
+    "/turtle1/cmd_vel": "geometry_msgs/msg/Twist",
+    "/turtle1/pose": "turtlesim/msg/Pose",
+    "/map_scans": "std_msgs/msg/Int32",
+    "/rosout": "rcl_interfaces/msg/Log",
+}
 
 
 @dataclass(frozen=True)
 class Observation:
-    """What came in the last `seconds`."""
+    """What came in the last WINDOW seconds."""
 
-    seconds: float
     scans: float  # Hz
     commands: float  # Hz
     distance: float  # metres that the turtle has gone
@@ -57,13 +63,11 @@ def findings(seen: Observation) -> list[Finding]:
             has_rate(seen.commands),
             f"There were {seen.commands:.1f} a second.",
         ),
-        Finding(
-            "the turtle drives", seen.distance >= DISTANCE, f"It went {seen.distance:.2f} m in {seen.seconds:g} s."
-        ),
+        Finding("the turtle drives", seen.distance >= DISTANCE, f"It went {seen.distance:.2f} m in {WINDOW:g} s."),
         Finding(
             "the nodes log little",
             seen.log_lines <= LOG_LINES,
-            f"`/rosout` had {seen.log_lines / seen.seconds:.0f} lines a second.",
+            f"`/rosout` had {seen.log_lines / WINDOW:.0f} lines a second.",
         ),
         Finding(
             "no two nodes have the same name",
@@ -77,37 +81,25 @@ class Watch:
     """Listens to the robot's topics through a Station, from now on."""
 
     def __init__(self, station: Station) -> None:
-        from geometry_msgs.msg import Twist  # imported late, so that judging needs no ROS
-        from rcl_interfaces.msg import Log
-        from sensor_msgs.msg import LaserScan
-        from std_msgs.msg import Int32
-        from turtlesim.msg import Pose
-
         self._station = station
         self._began = time.monotonic()
-        self._scans = station.listen("/scan", LaserScan)
-        self._commands = station.listen("/turtle1/cmd_vel", Twist)
-        self._poses = station.listen("/turtle1/pose", Pose)
-        self._in_map = station.listen("/map_scans", Int32)
-        self._logs = station.listen("/rosout", Log)
+        self._heard = {topic: station.listen(topic, message_class(kind)) for topic, kind in TOPICS.items()}
 
     @property
     def seconds(self) -> float:
         """How long it has listened."""
         return time.monotonic() - self._began
 
-    def observe(self, seconds: float) -> Observation:
-        """What came in the last `seconds`; all of them must have passed since the watch began."""
-        from course_kit.ros_graph import graph
-
-        since = time.time_ns() - int(seconds * 1e9)
+    def observe(self) -> Observation:
+        """What came in the last WINDOW seconds; all of them must have passed since the watch began."""
+        since = time.time_ns() - int(WINDOW * 1e9)
+        count = {topic: sum(when >= since for when in heard.times) for topic, heard in self._heard.items()}
         return Observation(
-            seconds=seconds,
-            scans=_count(self._scans, since) / seconds,
-            commands=_count(self._commands, since) / seconds,
-            distance=length(_newest(self._poses, since)),
-            scans_in_map=_growth([message.data for message in _newest(self._in_map, since)], seconds),
-            log_lines=_count(self._logs, since),
+            scans=count["/scan"] / WINDOW,
+            commands=count["/turtle1/cmd_vel"] / WINDOW,
+            distance=length(_newest(self._heard["/turtle1/pose"], since)),
+            scans_in_map=_growth([message.data for message in _newest(self._heard["/map_scans"], since)]),
+            log_lines=count["/rosout"],
             twice=tuple(graph.duplicates(graph.nodes(self._station.node))),
         )
 
@@ -118,7 +110,7 @@ def examine(station: Station, timeout: float, wait: Wait) -> list[Finding]:
     seen: list[Finding] = []
 
     def is_well() -> bool:
-        seen[:] = findings(watch.observe(WINDOW))
+        seen[:] = findings(watch.observe())
         return all(finding.ok for finding in seen)
 
     wait(lambda: watch.seconds >= WINDOW, WINDOW + 1.0)
@@ -126,16 +118,12 @@ def examine(station: Station, timeout: float, wait: Wait) -> list[Finding]:
     return seen
 
 
-def _count(heard: Heard, since: int) -> int:
-    return sum(when >= since for when in heard.times)
-
-
 def _newest(heard: Heard, since: int) -> list[Any]:
     return [message for when, message in heard.arrivals if when >= since]
 
 
-def _growth(counts: Sequence[int], seconds: float) -> float:
+def _growth(counts: Sequence[int]) -> float:
     """Scans a second: n messages within the time stand for n periods, and have n - 1 steps between them."""
     if len(counts) < 2:
         return 0.0
-    return (counts[-1] - counts[0]) / (len(counts) - 1) * len(counts) / seconds
+    return (counts[-1] - counts[0]) / (len(counts) - 1) * len(counts) / WINDOW
