@@ -35,23 +35,14 @@ def executable(program: str) -> Path:
     return path
 
 
-def _not_sourced(environ: Mapping[str, str]) -> Environment:
-    return sourcing.without(environ, ROBOT)
-
-
-def _other_domain(environ: Mapping[str, str]) -> Environment:
-    return {**environ, "ROS_DOMAIN_ID": str(_domain())}
-
-
 @functools.cache
 def _domain() -> int:
     """Another domain, the same for this process."""
     return reserve_stage()
 
 
-def _no_discovery(environ: Mapping[str, str]) -> Environment:
-    without = {name: value for name, value in environ.items() if name != "ROS_LOCALHOST_ONLY"}
-    return {**without, RANGE: "OFF"}
+def _without(environ: Mapping[str, str], variable: str) -> Environment:
+    return {name: value for name, value in environ.items() if name != variable}
 
 
 def _conda_first(environ: Mapping[str, str]) -> Environment:
@@ -65,7 +56,7 @@ def _conda_first(environ: Mapping[str, str]) -> Environment:
         for name in ("python", "python3"):
             (folder / "bin" / name).symlink_to(base)
     # A sourced ROS 2 lends its modules to every Python by PYTHONPATH; conda's, of another version, cannot load them.
-    without = {name: value for name, value in environ.items() if name != "PYTHONPATH"}
+    without = _without(environ, "PYTHONPATH")
     path = os.pathsep.join([str(folder / "bin"), environ.get("PATH", "")])
     return {**without, "PATH": path, "CONDA_PREFIX": str(folder), "CONDA_DEFAULT_ENV": "base"}
 
@@ -84,9 +75,9 @@ def _long_lease(environ: Mapping[str, str]) -> Environment:
 
 TERMINALS: dict[str, Callable[[Mapping[str, str]], Environment]] = {
     "good": dict,
-    "not sourced": _not_sourced,
-    "other domain": _other_domain,
-    "no discovery": _no_discovery,
+    "not sourced": lambda environ: sourcing.without(environ, ROBOT),
+    "other domain": lambda environ: {**environ, "ROS_DOMAIN_ID": str(_domain())},
+    "no discovery": lambda environ: {**_without(environ, "ROS_LOCALHOST_ONLY"), RANGE: "OFF"},
     "conda": _conda_first,
     "long lease": _long_lease,
 }
