@@ -28,12 +28,7 @@ def planner(*arguments: str, terminal: str = "good") -> Start:
     return Start(PLANNER, ("-r", REMAPPING, *arguments), terminal)
 
 
-HEALTHY = {
-    SIMULATOR: Start(SIMULATOR),
-    SCANNER: Start(SCANNER),
-    MAP_SERVER: Start(MAP_SERVER),
-    PLANNER: planner(),
-}
+HEALTHY = {program: Start(program) for program in PROGRAMS} | {PLANNER: planner()}
 
 
 def restart(program: str) -> str:

@@ -6,11 +6,10 @@ import contextlib
 import subprocess
 import textwrap
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING
 
+from course_kit.examining.station import Station
 from course_kit.faults import all_faults, health, robots_manual
 from course_kit.faults.fault import PROGRAMS, Fault
 from course_kit.faults.system import System
@@ -18,10 +17,8 @@ from course_kit.faults.told import Told
 from course_kit.node_logs import rosout
 from course_kit.polling import wait_until
 from course_kit.programs.child_process import Process
+from course_kit.spinning import context
 from course_kit.text import table
-
-if TYPE_CHECKING:
-    from course_kit.examining.station import Station
 
 REPAIR_TIMEOUT = 12.0  # seconds given to a repaired robot: discovery, the next map, and two seconds of being well
 COMMAND_TIMEOUT = 20.0
@@ -107,7 +104,10 @@ def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
     """Look at the robot from outside until it has been well for two seconds, or `timeout` seconds are over."""
     if not _lab.system.is_running:
         return Told(NO_FAULT, False)
-    with _station() as station:
+    context.start()  # the first context of a process sets its logging up
+    # In a ROS context for the length of a look, so that its subscriptions are in nobody's way afterwards.
+    with contextlib.closing(Station(None, only_here=False)) as station:
+        station.known(health.WINDOW)
         findings = health.examine(station, timeout, partial(wait_until, poll=POLL))
     is_well = all(finding.ok for finding in findings)
     heading = "Repaired." if _lab.fault is not None else "The robot is well."
@@ -115,21 +115,6 @@ def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
     if is_well and _lab.fault is not None and not _lab.cause_found:
         lines.append("What was the cause? faults.answer('…')")
     return Told("\n".join(lines), is_well)
-
-
-@contextlib.contextmanager
-def _station() -> Iterator[Station]:
-    """A ROS context for the length of a look, so that its subscriptions are in nobody's way afterwards."""
-    from course_kit.examining.station import Station
-    from course_kit.spinning import context
-
-    context.start()  # the first context of a process sets its logging up
-    station = Station(None, only_here=False)
-    try:
-        station.known(health.WINDOW)
-        yield station
-    finally:
-        station.close()
 
 
 def solution() -> Told:

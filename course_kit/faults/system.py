@@ -21,7 +21,6 @@ from course_kit.watching import instruments
 PATIENCE = 1.5  # seconds that a program has to end, after SIGINT and again after SIGTERM
 READY_TIMEOUT = 20.0
 SAYS_TIMEOUT = 8.0  # seconds for what a program says when it has found, or missed, the others
-DRIVES = "driving"
 WELL_TERMINALS = ("good", "long lease")  # in which a program that does not get ready is no fault of the lab's
 READY = {
     "simulator": "Spawning turtle",
@@ -65,14 +64,10 @@ class System:
         last = wanted.pop(PLANNER)  # it is to find the others there
         self._start_all([start for program, start in wanted.items() if start and program not in stay])
         self._start_all([last] if last else [])
-        self._wait_for_planner(fault.says if fault else DRIVES)
+        says, process = fault.says if fault else "driving", self._started[PLANNER][1]
+        wait_until(lambda: process.says(says) or not process.is_running, SAYS_TIMEOUT)
         if fault and fault.killed:
             self._kill(fault.killed)
-
-    def _wait_for_planner(self, text: str) -> None:
-        """Wait until the planner has said something; it says so as late as the fault shows itself."""
-        process = self._started[PLANNER][1]
-        wait_until(lambda: process.says(text) or not process.is_running, SAYS_TIMEOUT)
 
     def _kill(self, program: str) -> None:
         """Kill a program, once this process knows its node: it could not remember it otherwise."""
