@@ -16,6 +16,7 @@ import nbformat
 import course_kit
 from course_kit import exercises
 from course_kit.ros2.command import COMMANDS
+from tests.exercises.chapter import group_of
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("course_kit", "tests")
@@ -54,11 +55,11 @@ class Dependencies:
         for chapter, notebook in zip(exercises.CHAPTERS, notebooks, strict=True):
             self._add(notebook.removeprefix("notebooks."), "tests.test_notebooks")
             self._add(notebook.removeprefix("notebooks."), notebook)
-            group = f"exercises of {chapter}"
-            for module in ("tests.exercises.test_answers", f"tests.exercises.answers_{chapter}", notebook):
-                self._add(group, module)
-            for module in exercises.MODULES.get(chapter, (chapter,)):
-                self._add(group, f"course_kit.exercises.{module}")
+            modules = ["tests.exercises.test_answers", f"tests.exercises.answers_{chapter}", notebook]
+            modules += [f"course_kit.exercises.{module}" for module in exercises.MODULES.get(chapter, (chapter,))]
+            for group in sorted({group_of(one.name) for one in exercises.of_chapter(chapter)}):
+                for module in modules:
+                    self._add(group, module)
 
     def _texts(self) -> Iterator[tuple[str, str]]:
         for package in PACKAGES:

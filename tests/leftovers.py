@@ -24,6 +24,7 @@ MARK = "COURSE_KIT_TEST_RUN"
 FIRST_PORT, PORTS = 7400, 250  # of domain 0, and of each domain
 PORT, SEGMENT = re.compile(r"fastrtps_port\d+"), re.compile(r"fastrtps_[0-9a-f]{16}")
 SERVANTS = ("multiprocessing", "programs/orphans.py")  # end with the process that they serve
+CCACHE = Path("/usr/lib/ccache")
 KEPT = Path(__file__).parents[1] / "build/failed-tests"
 
 
@@ -33,6 +34,14 @@ def begin() -> None:
     os.environ["TMPDIR"] = os.environ[MARK] = folder
     tempfile.tempdir = None  # it is looked up once
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
+
+
+def compile_once() -> None:
+    """Have what was compiled once in this run not compiled again, where Debian's ccache is installed."""
+    if CCACHE.is_dir():
+        folder = os.environ[MARK]
+        os.environ["PATH"] = os.pathsep.join([str(CCACHE), os.environ["PATH"]])
+        os.environ |= {"CCACHE_DIR": f"{folder}/ccache", "CCACHE_BASEDIR": folder, "CCACHE_NOHASHDIR": "1"}
 
 
 def keep_files() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from course_kit.exercises import CHAPTERS
-from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, judge
+from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, group_of, judge
 
 pytestmark = pytest.mark.timeout(400)
 
@@ -33,9 +33,10 @@ def notebook_of() -> Iterator[Callable[[str], Chapter]]:
 BUILDS = pytest.mark.slow("each answer builds a package")
 
 
-def row(name: str, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
-    """The parameters of one test; those of a chapter run one after another, in one kernel."""
-    return pytest.param(name, *values, id=id, marks=[pytest.mark.xdist_group(f"exercises of {name}"), *marks])
+def row(name: str, answers: Answers, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
+    """The parameters of one test; those of a group run one after another, in one kernel."""
+    marks = [pytest.mark.xdist_group(group_of(answers.exercise)), *marks]
+    return pytest.param(name, answers, *values, id=id, marks=marks)
 
 
 def every_exercise() -> Iterator[Any]:
@@ -48,9 +49,9 @@ def every_answer() -> Iterator[Any]:
     for name in CHAPTERS:
         for answers in answers_to(name).ANSWERS:
             for wrong in answers.wrong:
-                values = answers, wrong.source, wrong.points, wrong.hint
+                values = wrong.source, wrong.points, wrong.hint
                 marks = [BUILDS] if name == "workspace" else []
-                yield row(name, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
+                yield row(name, answers, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
             yield row(name, answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
 
 
