@@ -52,10 +52,6 @@ class _NewFile:
     def _add_connection(self, connection: Connection, profiles: str) -> None:
         self._writer.add_connection(connection, profiles)
 
-    def close(self, metadata_version: int, metadata: str) -> None:
-        """Write the bag's metadata and the index, and close the file."""
-        self._writer.close(metadata_version, metadata)
-
 
 class McapFile(_NewFile):
     """An mcap file whose channels tell the types' hashes, as rosbag2's do."""
@@ -100,7 +96,7 @@ class McapFile(_NewFile):
             self._writer.chunk.message_start_time = 0
         if not any(self._writer.channel_stats.values()):
             self._writer.message_start_time = 0
-        super().close(metadata_version, metadata)
+        self._writer.close(metadata_version, metadata)
 
 
 class Sqlite3File(_NewFile):
@@ -119,6 +115,7 @@ class Sqlite3File(_NewFile):
             self._writer.conn = sqlite3.connect(path, check_same_thread=False)
             self._writer.cursor = self._writer.conn.cursor()
             self._writer.cursor.execute("UPDATE schema SET ros_distro = ?", (DISTRO,))
+            self.close = self._writer.close  # with the bag's metadata version and metadata
             self.size = 0  # bytes of messages so far, with those that are not written out yet
             self.flush()
 
