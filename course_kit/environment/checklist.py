@@ -59,7 +59,7 @@ def run(subject: Subject, names: Iterable[str] = ()) -> list[Check]:
 
 def _look(name: str, check: Callable[[Subject], Check], subject: Subject) -> Check:
     try:
-        found = check(subject) if subject.ready or name not in AFTER_SET_UP else python.not_set_up()
+        found = check(subject) if subject.ready or name not in AFTER_SET_UP else python.NOT_SET_UP
     except Exception as error:
         reason = f"the check itself failed: {type(error).__name__}: {error}"
         found = warn("not known", reason, "./environment-check.sh --json, and report what it prints")

@@ -42,11 +42,6 @@ class Interpreter:
     unmet: Sequence[str] = ()  # pins of the lock that are not installed at their version
     rclpy: str = ""  # the folder that `import rclpy` would load
 
-    @property
-    def release(self) -> str:
-        """The version in full: '3.11.7'."""
-        return ".".join(map(str, self.version))
-
 
 def supported(version: Sequence[int], ros: RosInstallation | None) -> bool:
     """Whether the course runs on this version: that of a sourced ROS 2 where there is one."""

@@ -22,6 +22,7 @@ from course_kit.environment.report import Check, fail, passed, warn
 
 SET_UP = "./environment-check.sh lab"
 RENEW = f"rm -rf .venv && {SET_UP}"
+NOT_SET_UP = warn("not set up yet", "it comes with the environment of the course", SET_UP)
 # Packages that the course brings; another copy on PYTHONPATH would be loaded instead of it.
 OURS = ("rclpy", "rosidl_runtime_py", "turtlesim", "example_interfaces", "std_msgs", "numpy", "matplotlib")
 ROS_PACKAGES = ("rclpy", "std_msgs", "example_interfaces", "turtlesim")
@@ -39,14 +40,9 @@ def shown(path: str) -> str:
     return path.removeprefix(f"{stamp.ROOT}{os.sep}")
 
 
-def not_set_up() -> Check:
-    """For everything that set-up will bring."""
-    return warn("not set up yet", "it comes with the environment of the course", SET_UP)
-
-
 def version(python: Interpreter, ros: RosInstallation | None) -> Check:
     """Python 3.10 to 3.13, and with a sourced ROS 2 the one that ROS 2 is built for."""
-    detail = f"{python.release} ({shown(python.path)})"
+    detail = f"{'.'.join(map(str, python.version))} ({shown(python.path)})"
     if supported(python.version, ros):
         return passed(detail)
     if ros is not None:

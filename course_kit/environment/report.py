@@ -6,6 +6,7 @@ import html
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 
 PASS, WARN, FAIL = "PASS", "WARN", "FAIL"
 APT = "sudo apt-get install -y "
@@ -34,19 +35,9 @@ class Check:
             raise ValueError(f"{self.detail!r} is a {self.status} without a reason and a cure")
 
 
-def passed(detail: str) -> Check:
-    """A check that is as it should be."""
-    return Check("", PASS, detail)
-
-
-def warn(detail: str, reason: str, cure: str) -> Check:
-    """A check of something that the course can do without."""
-    return Check("", WARN, detail, reason, cure)
-
-
-def fail(detail: str, reason: str, cure: str) -> Check:
-    """A check of something that the course needs and does not find."""
-    return Check("", FAIL, detail, reason, cure)
+passed = partial(Check, "", PASS)  # all is as it should be
+warn = partial(Check, "", WARN)  # of something that the course can do without
+fail = partial(Check, "", FAIL)  # of something that the course needs and does not find
 
 
 def failed(checks: Sequence[Check]) -> list[Check]:
@@ -108,10 +99,8 @@ def _badge(status: str) -> str:
 
 
 def _html_details(check: Check) -> str:
-    detail = html.escape(check.detail)
-    if check.status == PASS:
-        return detail
-    return f"{detail}<br>{html.escape(check.reason)}<br><code>{html.escape(check.cure)}</code>"
+    detail, reason, cure = map(html.escape, (check.detail, check.reason, check.cure))
+    return detail if check.status == PASS else f"{detail}<br>{reason}<br><code>{cure}</code>"
 
 
 @dataclass(repr=False)

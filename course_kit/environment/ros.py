@@ -11,7 +11,7 @@ from pathlib import Path
 
 from course_kit.environment.activation import DISTRO, RosInstallation, sourced_ros, split_paths, user_domain
 from course_kit.environment.interpreter import Interpreter, ask
-from course_kit.environment.python import RENEW, not_set_up
+from course_kit.environment.python import NOT_SET_UP, RENEW
 from course_kit.environment.report import Check, fail, passed, warn
 
 MESSAGE_TIMEOUT = 10.0  # discovery after peers that died takes up to 3 s
@@ -27,7 +27,7 @@ UNSOURCE = (
 def installation(ros: RosInstallation | None, python: Interpreter, ready: bool) -> Check:
     """The ROS 2 that the notebooks will use: a sourced Jazzy, else the wheels in the environment."""
     if not ready:
-        return passed(f"Jazzy from {ros.prefix}, and the course will use it") if ros else not_set_up()
+        return passed(f"Jazzy from {ros.prefix}, and the course will use it") if ros else NOT_SET_UP
     if ros is None:
         version = python.distributions.get("ros-jazzy-rclpy", "")
         if version and Path(python.rclpy).is_relative_to(python.prefix):
