@@ -19,7 +19,7 @@ from course_kit.ros2.command import run
 from course_kit.ros2.messages.yaml_text import Shown
 from course_kit.ros2.topic import endpoints
 from course_kit.ros2.topic.echo_text import expression, lost_text, message_text, selector
-from course_kit.ros2.verbs import CommandError
+from course_kit.ros2.verbs import CommandError, did_you_mean
 from course_kit.watching import instruments
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
@@ -316,6 +316,12 @@ def test_values_that_are_no_message_are_printed_as_python_does():
     assert message_text([1, 2], None, Shown()) == "[1, 2]\n---\n"
     assert message_text(True, {"a": 1}, Shown(), csv=True) == (
         "---Got new message, message info:---\n{'a': 1}\n---Message data:---\nTrue\n---\n"
+    )
+
+
+def test_of_names_with_the_same_end_the_nearest_is_suggested():
+    assert did_you_mean("/turtle3/pose", ["/arm/pose", "/turtle1/pose", "/turtle1/poses"]) == (
+        "Did you mean /turtle1/pose?"
     )
 
 

@@ -15,10 +15,8 @@ def complete(line: str) -> list[str]:
 
     _, begun, _, words, _ = split_line(f"ros2 {line}")
     finder = argcomplete.CompletionFinder(parser_for(words[1:]))
-    text = line
-    found = list(itertools.takewhile(bool, (finder.rl_complete(text, state) for state in itertools.count())))
-    start = len(text) - len(begun)
-    return [match[start:].rstrip() for match in found if match]
+    found = itertools.takewhile(bool, (finder.rl_complete(line, state) for state in itertools.count()))
+    return [str(match)[len(line) - len(begun) :].rstrip() for match in found]
 
 
 def answer_shell() -> None:

@@ -57,6 +57,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     candidates = sorted(set(known) - {name})
     last = name.rstrip("/").rsplit("/", 1)[-1]
     same_end = [c for c in candidates if last and c.rsplit("/", 1)[-1] == last]
+    same_end.sort(key=lambda c: difflib.SequenceMatcher(None, c, name).ratio(), reverse=True)
     near = same_end or difflib.get_close_matches(name, candidates, n=1)
     return f"Did you mean {near[0]}?" if near else None
 

@@ -69,10 +69,11 @@ def _path(name: str) -> str:
     try:
         return path(name)
     except (LookupError, ValueError) as error:
-        near = text.near_type(name, types())
-        if near is None and not name.startswith(tuple(f"{package}/" for package in installed())):
-            raise CommandError(str(error), did_you_mean(name.split("/")[0], installed())) from None
-        raise CommandError(str(error), f"Did you mean {near}?" if near else None) from None
+        package, word = name.split("/")[0], name.split("/")[-1]
+        near = did_you_mean(name, [t for t in types() if t.startswith(f"{package}/") or t.endswith(f"/{word}")])
+        if near is None and package not in installed():
+            near = did_you_mean(package, installed())
+        raise CommandError(str(error), near) from None
 
 
 def _kinds(args: Namespace) -> list[str]:

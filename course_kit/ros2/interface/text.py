@@ -7,8 +7,7 @@ that is cut) is left here too, so that the two print the same.
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator
 
 from rosidl_adapter.parser import parse_message_string  # type: ignore[import-untyped]
 
@@ -16,7 +15,6 @@ from course_kit.interface_types import nested_type
 
 SEPARATOR = "---"
 KINDS = ("msg", "srv", "action")
-NEAR = 0.6  # how alike a name and its suggestion are, of 1
 
 
 def show(
@@ -42,14 +40,3 @@ def without_comment(text: str, package: str) -> str | None:
         return None
     comments = [comment for part in [*line.fields, *line.constants] for comment in part.annotations["comment"]]
     return text[: text.find(comments[0]) - 1].strip() if comments else text
-
-
-def near_type(name: str, known: Collection[str]) -> str | None:
-    """The known type that is meant by a wrong name, as well as can be told: the same word, or one like it."""
-    package, _, rest = name.partition("/")
-    word = (rest or package).rsplit("/", 1)[-1]
-    same_word = [k for k in known if k.rsplit("/", 1)[-1] == word]
-    if same_word:
-        return max(sorted(same_word), key=lambda k: difflib.SequenceMatcher(None, k, name).ratio())
-    in_package = [k for k in known if k.startswith(f"{package}/")]
-    return next(iter(difflib.get_close_matches(name, in_package, n=1, cutoff=NEAR)), None)
