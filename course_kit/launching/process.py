@@ -174,8 +174,7 @@ class ExecuteProcess(Action):
         if self._log_cmd:
             self._logger.info(f"process details: cmd='{self._words}', cwd='{details['cwd']}', custom_env?=True")
         wants_tty = context.launch_configurations.get("emulate_tty", str(bool(self._emulate_tty)))
-        environment = dict(details["env"])
-        orphans.mark(environment, context.token)
+        environment = orphans.with_mark(details["env"], context.token)
         child = Child(
             context.asyncio_loop, details["cmd"], details["cwd"], environment, self.shell, as_bool(wants_tty),
             on_data=lambda source, data: self._on_data(context, source, data), on_line=self._on_line,

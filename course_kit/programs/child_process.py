@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, wait
 from pathlib import Path
 
-from course_kit.programs.orphans import Watch, end_all, mark, marked
+from course_kit.programs.orphans import Watch, end_all, marked, with_mark
 from course_kit.programs.process_output import as_seen, open_terminal, read_lines
 
 KEPT_LINES = 10_000
@@ -49,13 +49,11 @@ class Process:
         self._ended: Future[int] = Future()
         self._lock = threading.Lock()
         self._mark = _watch().new_mark()
-        own = dict(environment)
-        mark(own, self._mark)
         self._ours, theirs = open_terminal() if in_terminal else os.pipe()
         try:
             self._popen = subprocess.Popen(
                 self.command,
-                env=own,
+                env=with_mark(environment, self._mark),
                 cwd=folder,
                 stdin=subprocess.DEVNULL,
                 stdout=theirs,

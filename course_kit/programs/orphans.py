@@ -15,7 +15,7 @@ import subprocess
 import sys
 import time
 import uuid
-from collections.abc import MutableMapping
+from collections.abc import Mapping
 from pathlib import Path
 
 VARIABLE = "COURSE_KIT_LAUNCH"
@@ -24,10 +24,9 @@ POLL = 0.02
 ALL_IS_WELL = b"."
 
 
-def mark(environment: MutableMapping[str, str], token: str) -> None:
-    """Mark the environment of a process; a launch in a launch adds its mark to that of the outer one."""
-    marks = environment.get(VARIABLE, "").split()
-    environment[VARIABLE] = " ".join([*marks, token])
+def with_mark(environment: Mapping[str, str], token: str) -> dict[str, str]:
+    """The environment of a process, marked; a launch in a launch adds its mark to that of the outer one."""
+    return {**environment, VARIABLE: f"{environment.get(VARIABLE, '')} {token}".lstrip()}
 
 
 def marked(token: str) -> list[int]:

@@ -13,7 +13,7 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
-from course_kit.programs.orphans import Watch, mark
+from course_kit.programs.orphans import Watch, with_mark
 from course_kit.programs.process_output import read_lines
 from course_kit.ros2.session import DurationOver, Session, handling
 from course_kit.ros2.verbs import failing
@@ -62,10 +62,8 @@ def run_in_notebook(cmd: Sequence[str], session: Session) -> int:
     it ends too, with all that it started.
     """
     watch = Watch(apart=True)
-    environment = dict(os.environ)
-    mark(environment, watch.token)
     try:
-        return _streamed(cmd, session, environment)
+        return _streamed(cmd, session, with_mark(os.environ, watch.token))
     finally:
         watch.dismiss()
 
