@@ -5,9 +5,6 @@ from __future__ import annotations
 import re
 from typing import Any, NamedTuple
 
-NUMBERS = frozenset(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)) | {"float32", "float64"}
-PRIMITIVES = NUMBERS | {"bool", "byte", "char", "string", "wstring", "time", "duration"}
-
 
 def type_name(interface: Any) -> str:
     """The name of a class: 'std_msgs/msg/String', 'std_srvs/srv/SetBool', 'example_interfaces/action/Fibonacci'."""
@@ -15,15 +12,10 @@ def type_name(interface: Any) -> str:
     return f"{package}/{kind}/{interface.__name__}"
 
 
-def nested_type(text: str, package: str) -> str | None:
-    """The type of a line's field, of a definition, if it is a message itself: 'std_msgs/msg/Header'."""
-    kind, _, rest = text.replace("\t", " ").split("#")[0].partition(" ")
-    name = re.sub(r"\[[^\]]*\]$", "", kind)
-    if not rest.strip() or "=" in rest or re.sub("<=.*", "", name) in PRIMITIVES:
-        return None
-    parts = name.split("/") if "/" in name else [package, name]
-    is_type = len(parts) == 2 and all(part.isidentifier() for part in parts)
-    return "/msg/".join(parts) if is_type else None
+def nested_types(definition: Any) -> list[str]:
+    """The types of fields, as rosidl_adapter has parsed them, that are messages themselves: 'std_msgs/msg/Header'."""
+    types = (field.type for field in definition.fields)
+    return [f"{t.pkg_name}/msg/{t.type}" for t in types if not t.is_primitive_type()]
 
 
 class Step(NamedTuple):

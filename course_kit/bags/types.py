@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from course_kit.interface_types import nested_type
+from rosidl_adapter.parser import parse_message_string  # type: ignore[import-untyped]
+
+from course_kit.interface_types import nested_types
 from course_kit.programs.packages import share_directory
 
 SEPARATOR = "=" * 80
@@ -23,8 +25,8 @@ def definition(type_name: str) -> str:
             texts[name] = _file(name, "msg", ".msg").read_text(encoding="utf-8")
         except (OSError, LookupError):
             return ""
-        package, lines = name.split("/")[0], texts[name].splitlines()
-        waiting += [_short(part) for line in lines if (part := nested_type(line.strip(), package))]
+        parsed = parse_message_string(*name.split("/"), texts[name])
+        waiting += map(_short, nested_types(parsed))
     (_, first), *others = texts.items()
     return "".join([first, *(f"\n{SEPARATOR}\nMSG: {name}\n{text}" for name, text in others)])
 

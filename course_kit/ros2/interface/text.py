@@ -8,10 +8,11 @@ that is cut) is left here too, so that the two print the same.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 from rosidl_adapter.parser import parse_message_string  # type: ignore[import-untyped]
 
-from course_kit.interface_types import nested_type
+from course_kit.interface_types import nested_types
 
 SEPARATOR = "---"
 KINDS = ("msg", "srv", "action")
@@ -24,19 +25,17 @@ def show(
     package = type_name.split("/")[0]
     for line in read(type_name).splitlines():
         text = line.rstrip()
-        shown = text if comments else without_comment(text, package)
+        parsed = parse_message_string(package, "Line", "" if text == SEPARATOR else text)
+        shown = text if comments else without_comment(text, parsed)
         if shown is not None:
             yield "\t" * depth + shown if shown else ""
-        if nested := nested_type(text, package):
+        for nested in nested_types(parsed):
             yield from show(nested, read, nested_comments, nested_comments, depth + 1)
 
 
-def without_comment(text: str, package: str) -> str | None:
+def without_comment(text: str, parsed: Any) -> str | None:
     """What the real command leaves of a line without its comment; None for a line that is not shown at all."""
-    if text == SEPARATOR:
-        return text
-    line = parse_message_string(package, "Line", text)
-    if not text or line.annotations["comment"]:
+    if not text or parsed.annotations["comment"]:
         return None
-    comments = [comment for part in [*line.fields, *line.constants] for comment in part.annotations["comment"]]
+    comments = [comment for part in [*parsed.fields, *parsed.constants] for comment in part.annotations["comment"]]
     return text[: text.find(comments[0]) - 1].strip() if comments else text
