@@ -23,9 +23,15 @@ SIGNS = {"running": "▶", "stopped": "■", "ended": "■", "failed": "✘"}
 class Console:
     """What stands under the cell that has started something, and changes."""
 
-    def __init__(self) -> None:
+    def __init__(self, earlier: Console | None) -> None:
+        """It takes the place of an `earlier` one of the same cell, which runs it again, in a loop for instance."""
         self.cell = kernel.cell()
-        self._shown = Shown(self.bundle())
+        if earlier is not None and earlier.cell == self.cell:
+            _changed.discard(earlier)
+            self._shown: Shown = earlier._shown
+            refresh(self)
+        else:
+            self._shown = Shown(self.bundle())
 
     def bundle(self) -> dict[str, str]:
         """It as plain text and as HTML."""
@@ -52,11 +58,11 @@ def bundle(name: str, state: str, lines: Iterable[tuple[str, str]]) -> dict[str,
 class NodeConsole(Console):
     """What is shown for one node."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, earlier: NodeConsole | None) -> None:
         self.name = name
         self.state = "running"
         self.lines: deque[rosout.LogLine] = deque(maxlen=LAST_LINES)
-        super().__init__()
+        super().__init__(earlier)
 
     def bundle(self) -> dict[str, str]:
         """The last lines that it has logged, and what its callbacks have raised."""
@@ -83,13 +89,7 @@ def attach() -> None:
 
 def _on_event(event: str, name: str) -> None:
     if event == "starting":
-        earlier = _consoles.get(name)
-        if earlier is None or earlier.cell != kernel.cell():
-            _consoles[name] = NodeConsole(name)
-        else:  # run again by the same cell, in a loop for instance
-            earlier.state = "running"
-            earlier.lines.clear()
-            _mark(name)
+        _consoles[name] = NodeConsole(name, _consoles.get(name))
     elif name in _consoles:
         _consoles[name].state = event
         if event != "running":

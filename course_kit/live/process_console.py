@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 
-from course_kit import kernel
 from course_kit.live.console import Console, bundle, refresh
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
@@ -15,9 +14,9 @@ LAST_LINES = 12
 class ProcessConsole(Console):
     """What is shown for one process."""
 
-    def __init__(self, process: Process) -> None:
+    def __init__(self, process: Process, earlier: ProcessConsole | None) -> None:
         self.process = process
-        super().__init__()
+        super().__init__(earlier)
 
     def bundle(self) -> dict[str, str]:
         """The last lines that it has printed."""
@@ -34,12 +33,7 @@ def attach() -> None:
 
 
 def _on_start(process: Process) -> None:
-    earlier = _consoles.get(process.name)
-    if earlier is None or earlier.cell != kernel.cell():
-        _consoles[process.name] = ProcessConsole(process)
-    else:  # started again by the same cell, in a loop for instance
-        earlier.process = process
-        refresh(earlier)
+    _consoles[process.name] = ProcessConsole(process, _consoles.get(process.name))
 
 
 def _on_change(process: Process) -> None:
