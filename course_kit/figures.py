@@ -49,9 +49,14 @@ def style(axes: Axes, xlabel: str = "", ylabel: str = "", title: str = "") -> Ax
     return axes
 
 
-def widen(axes: Axes, span: float) -> None:
-    """Widen the y axis to this at least, so that the last digit of a constant does not look like an event."""
+def widen(axes: Axes, span: float | None = None) -> None:
+    """Widen the y axis to this at least, so that the last digit of a constant does not look like an event.
+
+    Without a span to what is little for numbers of that size.
+    """
     low, high = axes.get_ylim()
+    if span is None:
+        span = 2e-3 * max(abs(low), abs(high), 1e-9)
     if high - low < span:
         middle = (low + high) / 2
         axes.set_ylim(middle - span / 2, middle + span / 2)

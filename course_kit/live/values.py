@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from course_kit.figures import Plot, style
+from course_kit.figures import COLOURS, Plot, style, widen
 from course_kit.live.life import Bundle
 from course_kit.live.view import LONGEST, LiveView, as_picture
 from course_kit.series import field_paths, value_plots, value_series
@@ -37,10 +37,10 @@ def _picture(read: Values, span: float, now: float) -> Plot:
     """The last part of the values, at the same width of time whatever came."""
     plot = Plot(8.4, 0.7 + 1.5 * len(read))
     rows = plot.subplots(len(read), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, colour, series in zip(rows, value_plots.COLOURS * len(read), read.values(), strict=False):
+    for axes, colour, series in zip(rows, COLOURS * len(read), read.values(), strict=False):
         style(axes, title=series.path)
         value_plots.draw_series(axes, series, colour, series.start_ns)
-        value_plots.widen(axes)
+        widen(axes)
         axes.set_xlim(max(0.0, now - span), max(span, now))
     rows[-1].set_xlabel("time since the start [s]", fontsize=10)
     return plot

@@ -157,11 +157,6 @@ class MessageBuffer:
         """Bytes reserved for messages and their index: never more than max_bytes."""
         return self._nbytes
 
-    @property
-    def topics(self) -> list[str]:
-        """The recorded topics, in the order in which they were named."""
-        return list(self._channels)
-
     def counts(self, topic: str) -> tuple[int, int]:
         """How many messages of a topic are kept, and how many have gone."""
         channel = self._channels[topic]

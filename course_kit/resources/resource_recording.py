@@ -12,6 +12,7 @@ import time
 import weakref
 from collections import defaultdict, deque
 from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -147,7 +148,7 @@ class _Sampler:
                 meter.add(time.time_ns(), used.user + used.system, memory / MEGABYTE)
 
 
-class ResourceRecording(Mapping[str, Usage]):
+class ResourceRecording(Mapping[str, Usage], AbstractContextManager["ResourceRecording"]):
     """What the processes of nodes used up to now, by label: a table. .stop() ends it.
 
     `recorded.of('/talker')` is the usage of the process, or of the notebook's thread, that a node lives in.
@@ -169,9 +170,6 @@ class ResourceRecording(Mapping[str, Usage]):
     def stop(self) -> ResourceRecording:
         """End it; what it has stays. Returns itself; safe to call twice."""
         self._sampler.stop(5.0)
-        return self
-
-    def __enter__(self) -> ResourceRecording:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -146,12 +146,8 @@ class Frames:
         self._links.setdefault(parent, {})[child] = place
         self._links.setdefault(child, {})[parent] = np.asarray(np.linalg.inv(place), np.float64)
 
-    def names(self) -> list[str]:
-        """The frames that are known."""
-        return list(self._links)
-
-    def place(self, frame: str, inside: str) -> Float64s | None:
-        """The pose of a frame in another, as a matrix; None if no messages lead from one to the other."""
+    def places(self, inside: str) -> dict[str, Float64s]:
+        """The poses in a frame, as matrices, of the frames to which messages lead from it."""
         found = {inside: np.eye(4)}
         waiting = [inside]
         while waiting:
@@ -160,7 +156,7 @@ class Frames:
                 if name not in found:
                     found[name] = found[current] @ place
                     waiting.append(name)
-        return found.get(frame)
+        return {name: found[name] for name in self._links if name in found}
 
 
 @dataclass(frozen=True)
@@ -178,11 +174,12 @@ def scene(layers: list[Layer], frames: Frames, frame: str | None = None) -> Scen
     inside = frame or next((one.frame for one in layers if one.frame), "")
     drawn: list[Layer] = []
     notes = [f"{one.label}: {one.note}" for one in layers if one.note]
+    places = frames.places(inside)
     apart: dict[str, list[str]] = {}
     for one in layers:
         if not one.frame and inside:
             notes.append(f"{one.label} has no frame_id: drawn as if it were in '{inside}'")
-        place = np.eye(4) if one.frame in ("", inside) else frames.place(one.frame, inside)
+        place = np.eye(4) if one.frame in ("", inside) else places.get(one.frame)
         if place is None:
             apart.setdefault(one.frame, []).append(one.label)
         else:
@@ -193,5 +190,4 @@ def scene(layers: list[Layer], frames: Frames, frame: str | None = None) -> Scen
     ]
     if not drawn:
         raise ValueError("; ".join(notes) or "there is nothing to draw: give messages or topics")
-    known = {name: place for name in frames.names() if (place := frames.place(name, inside)) is not None}
-    return Scene(inside, drawn, {inside: np.eye(4), **known} if inside else {}, notes)
+    return Scene(inside, drawn, {inside: np.eye(4), **places} if inside else {}, notes)

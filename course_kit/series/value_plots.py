@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from course_kit import figures
-from course_kit.figures import ABOVE, COLOURS, FAINT, Plot, legend, style
+from course_kit.figures import ABOVE, COLOURS, FAINT, Plot, legend, style, widen
 from course_kit.series.value_series import Series, Source, Values, values
 
 DOTS = 60  # with fewer messages each is drawn as a dot too
@@ -65,9 +64,3 @@ def draw_series(axes: Axes, series: Series, colour: str, start_ns: int) -> None:
     axes.plot(seconds, series.values, color=colour, linewidth=1.6, label=series.path, **dots)
     if not np.isfinite(series.values).any():
         axes.text(0.5, 0.5, "no number came", color=FAINT, transform=axes.transAxes, ha="center", va="center")
-
-
-def widen(axes: Axes) -> None:
-    """Widen the y axis around what is constant."""
-    low, high = axes.get_ylim()
-    figures.widen(axes, 2e-3 * max(abs(low), abs(high), 1e-9))
