@@ -19,7 +19,6 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from course_kit.interfaces import rosidl
 
@@ -57,12 +56,6 @@ def provide(package: str) -> None:
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
         importlib.invalidate_caches()
-
-
-def load(name: str) -> Any:
-    """The class of a type such as 'my_interfaces/action/Polygon', of a package that was provided."""
-    package, kind, short = name.split("/")
-    return getattr(importlib.import_module(f"{package}.{kind}"), short)
 
 
 def _folder(package: str) -> Path:

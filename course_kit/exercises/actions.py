@@ -9,7 +9,7 @@ from itertools import pairwise
 from example_interfaces.action import Fibonacci
 from turtlesim.msg import Pose
 
-from course_kit.examining import own_types, paths
+from course_kit.examining import paths
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import a_turtle, answer, expect, pause, read, require, wait, wait_for_attribute
@@ -173,11 +173,12 @@ def deadline_server() -> None:
 )
 def star_server() -> None:
     """It drives a star, goes back to its beginning when it is cancelled, and lets a second goal win."""
-    polygon = own_types.load("my_interfaces/action/Polygon")
+    from my_interfaces.action import Polygon  # the checker's own
+
     a_turtle()
     driven = listen("/turtle1/pose", Pose)
     answer()
-    client = expect_action("/drive_star", polygon)
+    client = expect_action("/drive_star", Polygon)
     wait(lambda: len(driven), 3.0, "the turtle's pose")
     pause(0.3)
     start, before = driven.last, len(driven)

@@ -7,11 +7,10 @@ from typing import Any
 
 from std_msgs.msg import String
 
-from course_kit.examining import own_types
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import answer, expect, pause, require, wait
-from course_kit.examining.vocabulary_services import Client, expect_service
+from course_kit.examining.vocabulary_services import expect_service
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_subscription,
@@ -161,12 +160,13 @@ def battery() -> None:
     right &= expect_definition("robot_interfaces", "srv/Recharge", RECHARGE)
     if not right:
         require("the node can be looked at", False, "Only with these types: put them right, build, restart the kernel.")
-    battery_type = own_types.load("robot_interfaces/msg/Battery")
-    recharge_type = own_types.load("robot_interfaces/srv/Recharge")
+    from robot_interfaces.msg import Battery  # the checker's own
+    from robot_interfaces.srv import Recharge
+
     answer()
-    expect_topic("/battery", battery_type)
-    expect_service("/recharge", recharge_type)
-    heard = listen("/battery", battery_type)
+    expect_topic("/battery", Battery)
+    client = expect_service("/recharge", Recharge)
+    heard = listen("/battery", Battery)
     wait(lambda: len(heard) >= 4, 6.0, "four messages on /battery")
     left = values(heard, "percentage")
     expect(
@@ -175,7 +175,6 @@ def battery() -> None:
         f"It had {[round(one, 1) for one in left]} in 6 s: a timer with a period of 1.0 s, and less than before in "
         f"`percentage` each time.",
     )
-    client = Client("/recharge", recharge_type)
     refused = client.ask(percentage=120.0).response
     accepted = client.ask(percentage=90.0).response
     count = len(heard)

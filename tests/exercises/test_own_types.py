@@ -15,7 +15,7 @@ from tests.kernel import Kernel
 USE = """
 from course_kit.examining import own_types
 own_types.provide("my_interfaces")
-Polygon = own_types.load("my_interfaces/action/Polygon")
+from my_interfaces.action import Polygon
 print(Polygon.Goal().sides)
 """
 
