@@ -35,7 +35,7 @@ class Heard:
         self._kept: deque[tuple[int, int, bytes]] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         self.received = 0  # messages in all, also those no longer kept
-        self.subscription: RawSubscription | None = None
+        self.subscription: RawSubscription  # once it is listened to
 
     def receive(self, serialised: bytes, info: dict[str, Any]) -> None:
         """Keep a message; called in the watching thread."""
@@ -71,7 +71,7 @@ class Heard:
     @property
     def publisher_count(self) -> int:
         """How many publishers are matched."""
-        return self.subscription.publisher_count if self.subscription is not None else 0
+        return self.subscription.publisher_count
 
     def since_restart(self) -> list[Any]:
         """The messages of the last of its publishers: each counts its own from 1."""
@@ -83,11 +83,6 @@ class Heard:
     def last(self) -> Any:
         """The newest message. IndexError if none has come."""
         return self._read(self._kept[-1][2])
-
-    def close(self) -> None:
-        """Stop listening."""
-        if self.subscription is not None:
-            self.subscription.close()
 
 
 class Station:
@@ -187,7 +182,7 @@ class Station:
     def tidy(self) -> None:
         """End what was opened for a check."""
         for heard in self._opened:
-            heard.close()
+            heard.subscription.close()
         self._opened.clear()
         for spinning in reversed(self._spinning):
             spinning.close()

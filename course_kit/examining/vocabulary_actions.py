@@ -107,12 +107,11 @@ class Client:
 class FibonacciServer:
     """The chapter's action `fibonacci`, ten numbers a second, on the stage: notes orders, cancels and feedback."""
 
-    def __init__(self, can_cancel: bool = True, period: float = 0.1) -> None:
+    def __init__(self) -> None:
         self.orders: list[int] = []
         self.published = 0
         self.cancelled_after: int | None = None  # feedback messages
         self.ended: list[str] = []
-        self._period, self._can_cancel = period, can_cancel
         current().stage.on_own_node(self._prepare)
 
     def _prepare(self, node: Node) -> None:
@@ -122,14 +121,14 @@ class FibonacciServer:
     def _on_cancel(self, _: Any) -> CancelResponse:
         if self.cancelled_after is None:
             self.cancelled_after = self.published
-        return CancelResponse.ACCEPT if self._can_cancel else CancelResponse.REJECT
+        return CancelResponse.ACCEPT
 
     async def _execute(self, goal: Any) -> Fibonacci.Result:
         self.orders.append(goal.request.order)
         sequence = [0, 1]
         while len(sequence) <= goal.request.order:
             pause = Future()
-            timer = self._node.create_timer(self._period, lambda pause=pause: pause.set_result(None))
+            timer = self._node.create_timer(0.1, lambda pause=pause: pause.set_result(None))
             await pause
             self._node.destroy_timer(timer)
             if goal.is_cancel_requested:
