@@ -8,6 +8,7 @@ import queue
 import threading
 import time
 import traceback
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,7 @@ class Checker:
         if request.get("value") is not None and not exercise.value:
             return {"refused": f'{exercise.name} takes no value: check("{exercise.name}")'}
         self._lines.send({"begun": exercise.timeout})
-        return {"verdict": self.examine(exercise, request.get("value"), str(request["folder"])).to_json()}
+        return {"verdict": asdict(self.examine(exercise, request.get("value"), str(request["folder"])))}
 
     def examine(self, exercise: Exercise, value: Any, folder: str) -> Verdict:
         """Check one exercise; `folder` is the notebook's."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 NOT_BEGUN = "not begun"
@@ -62,11 +62,6 @@ class Verdict:
         return self.state == LOOKED_AT and self.points == self.max_points and all(f.ok for f in self.findings)
 
     @property
-    def hints(self) -> list[str]:
-        """The hints of what did not hold."""
-        return [finding.hint for finding in self.findings if not finding.ok]
-
-    @property
     def heading(self) -> str:
         """One line: exercise, title, points or why there are none."""
         result = points_text(self.points, self.max_points) if self.state == LOOKED_AT else self.state
@@ -76,7 +71,7 @@ class Verdict:
         note = [f"    {self.note}"] if self.note else []
         return "\n".join([self.heading, *map(str, self.findings), *note])
 
-    def to_html(self) -> str:
+    def _repr_html_(self) -> str:
         """The same with colours that can be read on light and on dark ground."""
         lines = [f"<b>{html.escape(self.heading)}</b>"]
         for finding in self.findings:
@@ -88,15 +83,9 @@ class Verdict:
             lines.append(f"<div style='margin-left:2em'>{in_code(self.note)}</div>")
         return f"<div class='course-kit-check'>{''.join(lines)}</div>"
 
-    _repr_html_ = to_html
-
-    def to_json(self) -> dict[str, Any]:
-        """The verdict as what JSON can hold."""
-        return asdict(self)
-
     @staticmethod
     def from_json(data: dict[str, Any]) -> Verdict:
-        """The verdict that to_json() was made from. KeyError or TypeError for anything else."""
+        """The verdict that asdict() made this of. KeyError or TypeError for anything else."""
         return Verdict(**{**data, "findings": tuple(Finding(**finding) for finding in data["findings"])})
 
 
