@@ -39,10 +39,11 @@ class CheckerProcess:
         ours, theirs = socket.socketpair()
         with theirs:
             command = [sys.executable, "-m", "course_kit.checking", str(theirs.fileno())]
-            # In the root folder, where no file of the student's can be taken for a module.
-            self.process = Process(
-                command, "checker", _own_environment(), folder=Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
-            )
+            # Nothing of a student's is loaded there: it is without the workspaces that the notebook uses, and in the
+            # root folder, where no file of theirs can be taken for a module.
+            workspaces = map(Path, split_paths(os.environ.get("COLCON_PREFIX_PATH", "")))
+            own = sourcing.without(os.environ, *workspaces)
+            self.process = Process(command, "checker", own, Path("/"), in_terminal=False, hand_over=[theirs.fileno()])
         self.process.begin()
         self._lines = Lines(ours)
 
@@ -88,14 +89,6 @@ class CheckerProcess:
             self.process.wait(patience)
             return
         self.process.stop(0.1)
-
-
-def _own_environment() -> dict[str, str]:
-    """The notebook's environment without the workspaces that it uses: nothing of a student's is loaded here."""
-    environment = dict(os.environ)
-    for folder in split_paths(environment.get("COLCON_PREFIX_PATH", "")):
-        environment = sourcing.without(environment, Path(folder))
-    return environment
 
 
 _checker: CheckerProcess | None = None

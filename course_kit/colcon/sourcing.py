@@ -43,12 +43,12 @@ def added(before: Mapping[str, str], after: Mapping[str, str]) -> dict[str, list
     return {name: entries for name, entries in changes.items() if entries}
 
 
-def without(environ: Mapping[str, str], folder: Path) -> dict[str, str]:
-    """An environment without what lies below a folder, as in a terminal where nothing of it was sourced."""
+def without(environ: Mapping[str, str], *folders: Path) -> dict[str, str]:
+    """An environment without what lies below some folders, as in a terminal where nothing of them was sourced."""
     result = dict(environ)
     for name in LISTS:
         entries = split_paths(environ.get(name, ""))
-        kept = [entry for entry in entries if not Path(entry).is_relative_to(folder)]
+        kept = [entry for entry in entries if not any(Path(entry).is_relative_to(folder) for folder in folders)]
         if kept:
             result[name] = os.pathsep.join(kept)
         elif entries:
