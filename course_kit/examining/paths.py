@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Any, Protocol
 
 Point = tuple[float, float]
@@ -31,10 +31,8 @@ def length(poses: Sequence[PoseLike]) -> float:
 
 def headings(poses: Sequence[PoseLike]) -> list[float]:
     """The heading at each pose, counted on beyond half turns, from 0 at the first."""
-    unwrapped = [0.0]
-    for a, b in pairwise(poses):
-        unwrapped.append(unwrapped[-1] + math.remainder(b.theta - a.theta, math.tau))
-    return unwrapped
+    turns = (math.remainder(b.theta - a.theta, math.tau) for a, b in pairwise(poses))
+    return list(accumulate(turns, initial=0.0))
 
 
 @dataclass(frozen=True)

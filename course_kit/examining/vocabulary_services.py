@@ -22,11 +22,8 @@ ANSWER_TIMEOUT = 5.0  # seconds; what is lost on a busy machine is sent again wi
 
 def _services() -> dict[str, list[str]]:
     servers = [node.service_servers for node in current().stage.offered()]
-    return {name: types for names in servers for name, types in names.items() if not _is_every_nodes(name)}
-
-
-def _is_every_nodes(name: str) -> bool:
-    return name.rpartition("/")[2] in EVERY_NODES_SERVICES
+    offered = {name: types for names in servers for name, types in names.items()}
+    return {name: types for name, types in offered.items() if name.rpartition("/")[2] not in EVERY_NODES_SERVICES}
 
 
 def expect_service(name: str, service_type: Any) -> Client:
