@@ -1,4 +1,4 @@
-"""An exercise, as its check declares it: name, points, minutes, and how to know that it was begun."""
+"""An exercise, as its check declares it: name, points, and how to know that it was begun."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ class Exercise:
     title: str
     _: KW_ONLY
     points: int
-    minutes: int
     level: str
     timeout: float = 15.0  # seconds that a check takes at most
     node_class: str | None = None  # the class that the student writes, if it asks for one

@@ -20,7 +20,7 @@ SIDE = 2.0  # metres of a line of the star
 STAR_TURN = 2 * math.tau / 5
 
 
-@exercise("actions-1", "Face west", points=2, minutes=8, level="warm-up", timeout=20, node_class="FaceWest")
+@exercise("actions-1", "Face west", points=2, level="warm-up", timeout=20, node_class="FaceWest")
 def face_west() -> None:
     """It has the turtle look west, and keeps the last feedback and the result."""
     turtlesim = a_turtle()
@@ -54,7 +54,7 @@ def face_west() -> None:
     )
 
 
-@exercise("actions-2", "Count down", points=3, minutes=15, level="medium", timeout=25, node_class="CountdownServer")
+@exercise("actions-2", "Count down", points=3, level="medium", timeout=25, node_class="CountdownServer")
 def countdown_server() -> None:
     """It counts down in its feedback, ten numbers a second, returns them all, rejects and cancels."""
     answer()
@@ -94,7 +94,7 @@ def countdown_server() -> None:
     )
 
 
-@exercise("actions-3", "Impatience", points=3, minutes=12, level="medium", timeout=20, node_class="Impatient")
+@exercise("actions-3", "Impatience", points=3, level="medium", timeout=20, node_class="Impatient")
 def impatient() -> None:
     """It orders 40, cancels after five feedbacks, and keeps how that ended."""
     server = FibonacciServer()
@@ -127,9 +127,7 @@ def impatient() -> None:
     )
 
 
-@exercise(
-    "actions-4", "No longer than that", points=3, minutes=15, level="medium", timeout=20, node_class="DeadlineServer"
-)
+@exercise("actions-4", "No longer than that", points=3, level="medium", timeout=20, node_class="DeadlineServer")
 def deadline_server() -> None:
     """It counts Fibonacci's numbers, and aborts what has taken more than a second."""
     answer()
@@ -165,7 +163,6 @@ def deadline_server() -> None:
     "actions-5",
     "A star, and back home",
     points=5,
-    minutes=40,
     level="project",
     timeout=120,
     node_class="StarServer",

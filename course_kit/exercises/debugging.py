@@ -28,7 +28,7 @@ SCANS, POSES = "/scan", "/turtle1/pose"
 SET_LEVELS = "/quiet/set_logger_levels"
 
 
-@exercise("debugging-1", "Who keeps, who loses", points=2, minutes=8, level="warm-up", timeout=5, value=True)
+@exercise("debugging-1", "Who keeps, who loses", points=2, level="warm-up", timeout=5, value=True)
 def who_keeps(value: Any) -> None:
     """The topic that is kept for latecomers, and the one that may lose messages."""
     kept, lossy = map(_absolute, parts(value, 2))
@@ -48,7 +48,6 @@ def _absolute(name: Any) -> Any:
     "debugging-2",
     "Not so loud",
     points=3,
-    minutes=10,
     level="medium",
     timeout=25,
     node_class="Quiet",
@@ -113,7 +112,7 @@ def _set_level(level: int) -> bool:
     return response is not None and all(result.successful for result in response.results)
 
 
-@exercise("debugging-4", "A bag of a circle", points=2, minutes=10, level="medium", timeout=20, value=True)
+@exercise("debugging-4", "A bag of a circle", points=2, level="medium", timeout=20, value=True)
 def circle(value: Any) -> None:
     """A bag with the two topics and nothing else, in which the turtle goes round once."""
     require("the answer is the path of a bag", isinstance(value, str), f'You gave {value!r}: a text, such as "circle".')
@@ -141,7 +140,7 @@ def circle(value: Any) -> None:
     )
 
 
-@exercise("debugging-6", "Three patients", points=5, minutes=30, level="harder", timeout=25, value=True)
+@exercise("debugging-6", "Three patients", points=5, level="harder", timeout=25, value=True)
 def three_patients(value: Any) -> None:
     """The causes of three faults, the last of which is repaired."""
     for seed, cause in zip(SEEDS, parts(value, len(SEEDS)), strict=True):

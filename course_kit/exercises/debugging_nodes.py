@@ -31,7 +31,7 @@ FEW = 5  # poses, fewer than any queue holds
 LEVELS = {b"\x00": "OK", b"\x01": "WARN", b"\x02": "ERROR", b"\x03": "STALE"}
 
 
-@exercise("debugging-3", "A watchdog", points=3, minutes=12, level="medium", timeout=20, node_class="Watchdog")
+@exercise("debugging-3", "A watchdog", points=3, level="medium", timeout=20, node_class="Watchdog")
 def watchdog() -> None:
     """It says five times a second whether a scan has come in the last half second."""
     laser = publisher(SCANS, LaserScan, qos_profile_sensor_data)
@@ -67,13 +67,7 @@ def _false_times(heard: Heard, since: int) -> list[int]:
 
 
 @exercise(
-    "debugging-5",
-    "A distance that survives a teleport",
-    points=3,
-    minutes=15,
-    level="harder",
-    timeout=20,
-    node_class="Mileage",
+    "debugging-5", "A distance that survives a teleport", points=3, level="harder", timeout=20, node_class="Mileage"
 )
 def mileage() -> None:
     """It adds up what was driven, without what was jumped."""
@@ -120,7 +114,7 @@ def _send(turtle: Any, poses: list[Pose], heard: Heard) -> None:
         wait(lambda: len(heard) >= answered, 1.0)  # noqa: B023  (it ends before the loop goes on)
 
 
-@exercise("debugging-7", "A monitor", points=5, minutes=40, level="project", timeout=40, node_class="Monitor")
+@exercise("debugging-7", "A monitor", points=5, level="project", timeout=40, node_class="Monitor")
 def monitor() -> None:
     """It reports on two topics what comes of what should come."""
     laser, turtle = publisher(SCANS, LaserScan, qos_profile_sensor_data), publisher(POSES, Pose)

@@ -28,7 +28,7 @@ SLOW_TICK = 0.25  # seconds; so slow that who asks just after a tick and does no
 LATE = 1.5  # seconds that a wait of 0.5 s may take where the machine is busy
 
 
-@exercise("services-1", "A lamp", points=2, minutes=8, level="warm-up", node_class="Lamp")
+@exercise("services-1", "A lamp", points=2, level="warm-up", node_class="Lamp")
 def lamp() -> None:
     """It is switched on and off; each response says whether that changed it, and what it is now."""
     answer()
@@ -53,9 +53,7 @@ def lamp() -> None:
     )
 
 
-@exercise(
-    "services-2", "A client that never hangs", points=2, minutes=10, level="medium", timeout=25, node_class="SafeClient"
-)
+@exercise("services-2", "A client that never hangs", points=2, level="medium", timeout=25, node_class="SafeClient")
 def safe_client() -> None:
     """add() brings the sum, or None in time: without a server, and with one that does not answer."""
     answer()
@@ -94,15 +92,7 @@ def _why_not_safe(alone: object, slow: object, alone_seconds: float, slow_second
     return f"{left} futures still wait in the client: `self.client.remove_pending_request(future)` after a timeout."
 
 
-@exercise(
-    "services-3",
-    "Ask while you are asked",
-    points=3,
-    minutes=12,
-    level="medium",
-    timeout=20,
-    node_class="AddThreeTimes",
-)
+@exercise("services-3", "Ask while you are asked", points=3, level="medium", timeout=20, node_class="AddThreeTimes")
 def add_three_times() -> None:
     """It answers 3 · (a + b), asks /add_two_ints three times for that, and adds nothing itself."""
     server = a_server("/add_two_ints", AddTwoInts, add_two_ints)
@@ -136,16 +126,7 @@ def add_three_times() -> None:
     )
 
 
-@exercise(
-    "services-4",
-    "Three at a time",
-    points=3,
-    minutes=12,
-    level="medium",
-    timeout=20,
-    node_class="ParallelServer",
-    node="",
-)
+@exercise("services-4", "Three at a time", points=3, level="medium", timeout=20, node_class="ParallelServer", node="")
 def parallel_server() -> None:
     """Each answer takes 0.3 s, and three requests at once are answered within 0.6 s."""
     answer(threads=True)
@@ -181,7 +162,7 @@ def parallel_server() -> None:
     )
 
 
-@exercise("services-5", "Draw on demand", points=5, minutes=30, level="project", timeout=60, node_class="StarPainter")
+@exercise("services-5", "Draw on demand", points=5, level="project", timeout=60, node_class="StarPainter")
 def star_painter() -> None:
     """It draws a star, answers when it is there, and says so if there is no turtle."""
     answer()

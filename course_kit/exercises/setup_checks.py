@@ -24,7 +24,7 @@ SECOND = "/robot2/turtle1"
 GREETING = "Nice to meet you, "
 
 
-@exercise("setup-1", "Read the report", points=1, minutes=3, level="warm-up", timeout=5, value=True)
+@exercise("setup-1", "Read the report", points=1, level="warm-up", timeout=5, value=True)
 def read_the_report(value: Any) -> None:
     """The number of the domain, and the word for the discovery range."""
     domain, reach = parts(value, 2)
@@ -47,7 +47,6 @@ def read_the_report(value: Any) -> None:
     "setup-2",
     "A node of your own",
     points=2,
-    minutes=5,
     level="warm-up",
     timeout=8,
     node_class="Greeter",
@@ -70,7 +69,6 @@ def greeter() -> None:
     "setup-3",
     "Visit the corners",
     points=3,
-    minutes=10,
     level="medium",
     timeout=8,
     node="/turtlesim",
@@ -105,7 +103,6 @@ def corners() -> None:
     "setup-4",
     "Two robots",
     points=4,
-    minutes=10,
     level="harder",
     timeout=8,
     node="/robot2/turtlesim",

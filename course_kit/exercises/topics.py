@@ -28,7 +28,7 @@ from course_kit.examining.vocabulary_topics import (
 )
 
 
-@exercise("topics-1", "Count down", points=2, minutes=8, level="warm-up", node_class="Countdown")
+@exercise("topics-1", "Count down", points=2, level="warm-up", node_class="Countdown")
 def count_down() -> None:
     """It publishes 10, 9, … 0, five a second, from when somebody listens, and then no more."""
     answer()
@@ -57,7 +57,7 @@ def _why_not_ten(counted: list[int]) -> str:
     return f"{heard} It should be 10, 9, … 0, each once."
 
 
-@exercise("topics-2", "Why does nothing arrive?", points=2, minutes=8, level="medium", node_class="ScanCounter")
+@exercise("topics-2", "Why does nothing arrive?", points=2, level="medium", node_class="ScanCounter")
 def sensor_qos() -> None:
     """It hears a laser that publishes with the sensors' QoS, and counts its scans."""
     laser = publisher("/scan", LaserScan, qos_profile_sensor_data)
@@ -74,7 +74,7 @@ def sensor_qos() -> None:
     )
 
 
-@exercise("topics-3", "A relay", points=3, minutes=12, level="medium", node_class="Relay")
+@exercise("topics-3", "A relay", points=3, level="medium", node_class="Relay")
 def relay() -> None:
     """Of the poses on /turtle1/pose it publishes every tenth, unchanged, on /turtle1/pose_slow."""
     answer()
@@ -105,7 +105,7 @@ def relay() -> None:
     expect_rate(slow, 6.25, within=0.15, hint="A tenth of 62.5 is 6.25.")
 
 
-@exercise("topics-4", "A figure of eight", points=5, minutes=30, level="project", timeout=75, node_class="FigureEight")
+@exercise("topics-4", "A figure of eight", points=5, level="project", timeout=75, node_class="FigureEight")
 def figure_of_eight() -> None:
     """The turtle drives two circles of the same size, one to the left and one to the right, and is back."""
     a_turtle()

@@ -37,9 +37,7 @@ BATTERY = ("float32 EMPTY_VOLTAGE=11.0", "float32 voltage", "float32 percentage"
 RECHARGE = ("float32 percentage", "---", "bool accepted", "string reason")
 
 
-@exercise(
-    "workspace-1", "A package of your own", points=2, minutes=8, level="warm-up", timeout=25, file="greeter/package.xml"
-)
+@exercise("workspace-1", "A package of your own", points=2, level="warm-up", timeout=25, file="greeter/package.xml")
 def greeter() -> None:
     """The package is built, and its program greets."""
     expect_package("greeter", "ament_python", points=1)
@@ -52,7 +50,7 @@ def greeter() -> None:
     )
 
 
-@exercise("workspace-2", "Louder", points=3, minutes=12, level="medium", timeout=50, file="greeter/greeter/loud.py")
+@exercise("workspace-2", "Louder", points=3, level="medium", timeout=50, file="greeter/greeter/loud.py")
 def loud() -> None:
     """It says in capitals what it hears, with a mark that can be changed, and ends well."""
     expect_package("greeter", "ament_python")
@@ -103,9 +101,7 @@ def _say(words: str) -> str | None:
     return answers.last.data if len(answers) else None
 
 
-@exercise(
-    "workspace-3", "Two rooms", points=3, minutes=12, level="medium", timeout=75, file="greeter/launch/rooms.launch.py"
-)
+@exercise("workspace-3", "Two rooms", points=3, level="medium", timeout=75, file="greeter/launch/rooms.launch.py")
 def rooms() -> None:
     """A launch of two rooms with words of their own, and the attic hears the kitchen."""
     expect_package("greeter", "ament_python")
@@ -146,7 +142,6 @@ def _listed(words: set[str]) -> str:
     "workspace-4",
     "A battery",
     points=4,
-    minutes=15,
     level="medium",
     timeout=30,
     node_class="Charger",

@@ -33,7 +33,7 @@ LAP = 1.15 * math.tau  # radians that the turtle turns on a lap, and more than i
 ROOMS = ("one", "two")
 
 
-@exercise("workspace-5", "A patrol", points=5, minutes=40, level="project", timeout=150, file="patrol/package.xml")
+@exercise("workspace-5", "A patrol", points=5, level="project", timeout=150, file="patrol/package.xml")
 def patrol() -> None:
     """One turtle is driven in squares as the parameters say; two are by a launch, each with a file of its own."""
     expect_package("patrol", "ament_python")
