@@ -89,12 +89,9 @@ class Planner(Node):
             command.linear.x = speed if is_free else speed / 2
             command.angular.z = 0.0 if is_free else 2.0
         if self.stamped:
-            stamp = self.get_clock().now().to_msg()
-            stamped = TwistStamped(twist=command)
-            stamped.header.stamp = stamp
-            self.publisher.publish(stamped)
-        else:
-            self.publisher.publish(command)
+            command = TwistStamped(twist=command)
+            command.header.stamp = self.get_clock().now().to_msg()
+        self.publisher.publish(command)
 
     def ask_for_map(self, now):
         """Ask the map server, without waiting for the answer."""
