@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 
 from course_kit.colcon import sourcing
+from course_kit.examining import own_types
 from course_kit.examining.examination import WORKSPACE, current
 from course_kit.examining.vocabulary import expect, nearest, pause, require, wait
 from course_kit.examining.vocabulary_services import Client
@@ -203,23 +203,24 @@ def get_parameters(node: str, *names: str) -> list[Any]:
     return values if len(values) == len(names) else [None] * len(names)
 
 
-def expect_definition(package: str, name: str, wanted: Sequence[str], points: int = 1) -> bool:
-    """The installed definition, such as that of 'msg/Battery', has these lines but for order, spaces and remarks.
+def expect_definition(package: str, name: str, points: int = 1) -> bool:
+    """The installed definition, such as that of 'msg/Battery', is the checker's own but for order, spaces and remarks.
 
     The three dashes of a service part its lines: the order counts across them only.
     """
-    path = share(package) / f"{name}.{name.split('/')[0]}"
+    file = f"{name}.{name.split('/')[0]}"
+    path, wanted = share(package) / file, (own_types.DEFINITIONS[package][0] / file).read_text()
     text = path.read_text() if path.is_file() else ""
     shown = " / ".join(" ".join(line.split()) for line in text.splitlines() if line.strip())
     hint = f"{package} has no {name}: is its file listed in rosidl_generate_interfaces(…) of CMakeLists.txt, and built?"
     if text:
         hint = f"It says: {shown}. Types, names and constants must be those of the text, or nobody else can read it."
-    return expect(f"`{package}/{name}` is as asked", _parts(text.splitlines()) == _parts(wanted), hint, points)
+    return expect(f"`{package}/{name}` is as asked", _parts(text) == _parts(wanted), hint, points)
 
 
-def _parts(lines: Sequence[str]) -> list[list[str]]:
+def _parts(text: str) -> list[list[str]]:
     parts: list[list[str]] = [[]]
-    for line in lines:
+    for line in text.splitlines():
         code = re.sub(r"\s*=\s*", "=", " ".join(line.split("#")[0].split()))
         if code == "---":
             parts.append([])
