@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -42,7 +43,7 @@ class Examination:
     watched: dict[str, Heard]  # what was heard in the student's domain since the chapter's first check, by topic
     send_order: Callable[[dict[str, Any], float], dict[str, Any]]
     folder: Path = Path("/")  # the kernel's; then the notebook's
-    ending: list[Callable[[], Any]] = field(default_factory=list)  # what ends with it, besides what the stations know
+    ending: ExitStack = field(default_factory=ExitStack)  # what ends with it, besides what the stations know
     findings: list[Finding] = field(default_factory=list)
     waiting_for: str = ""
 

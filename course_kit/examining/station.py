@@ -97,9 +97,8 @@ class Station:
         self.discovery = discovery.of(self.node, keep=True)
         self.errors: list[Exception] = []
         self._watcher = Watcher(self.node, self.errors.append)
-        self._spinning: list[SpinThread] = []
         self._check_node: Node | None = None
-        self._opened: list[Heard] = []
+        self._check = contextlib.ExitStack()  # what ends with a check
         self._node_log: NodeLog | None = None
         self.mine: set[str] = set()
         self._graph_thread = SpinThread(self.node, self.errors.append).start()
@@ -145,7 +144,7 @@ class Station:
         heard = Heard(message_type, topic)
         heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
         if not keep:
-            self._opened.append(heard)
+            self._check.callback(heard.subscription.close)
         return heard
 
     def node_log(self) -> NodeLog:
@@ -176,17 +175,12 @@ class Station:
     def spin(self, node: Node) -> Node:
         """Spin a node until the check ends."""
         self.mine.add(node.get_fully_qualified_name())
-        self._spinning.append(SpinThread(node, self.errors.append).start())
+        self._check.callback(SpinThread(node, self.errors.append).start().close)
         return node
 
     def tidy(self) -> None:
         """End what was opened for a check."""
-        for heard in self._opened:
-            heard.subscription.close()
-        self._opened.clear()
-        for spinning in reversed(self._spinning):
-            spinning.close()
-        self._spinning.clear()
+        self._check.close()
         self._check_node = None
         self.mine.clear()
         self.errors.clear()

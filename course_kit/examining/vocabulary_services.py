@@ -108,7 +108,7 @@ def a_server(name: str, service_type: Any, answer: Callable[[Any, Any], Any]) ->
     """Serve a service on the stage until the check ends."""
     server = Server(answer)
     current().stage.on_own_node(lambda node: node.create_service(service_type, name, server.serve))
-    current().ending.append(server.ended.set)  # what still waits in a callback would keep the node in the graph
+    current().ending.callback(server.ended.set)  # what still waits in a callback would keep the node in the graph
     return server
 
 

@@ -119,7 +119,7 @@ def _environment() -> dict[str, str]:
 def start(*command: str) -> Process:
     """Start a command on the stage, in the workspace's folder; it ends with the check."""
     process = Process(command, " ".join(command), _environment(), folder())
-    current().ending.append(lambda: process.stop(STOP_PATIENCE))
+    current().ending.callback(process.stop, STOP_PATIENCE)
     process.begin()
     return process
 
