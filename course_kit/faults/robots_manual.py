@@ -14,16 +14,14 @@ ENDS = (
     ("", "", "", "service /get_map (GetMap)"),
     ("planner", "/planner", "/scan, /speed_limit, /get_map", "/turtle1/cmd_vel (Twist), 10 Hz"),
 )
-WELL = (
-    "A turtle on patrol: the scanner measures to the walls, the map server puts every scan into a\n"
-    "map and counts them on /map_scans, the planner drives ahead while there is room and turns\n"
-    "where there is none. Without a fresh scan, a fresh map and a speed limit it stands still, and\n"
-    "logs why."
-)
-AGAIN = (
-    "Each runs as a process of its own. How they are started, and started again in place of one\n"
-    "that runs (under the program's name; without it, a second one would run beside the first):"
-)
+WELL = """\
+A turtle on patrol: the scanner measures to the walls, the map server puts every scan into a
+map and counts them on /map_scans, the planner drives ahead while there is room and turns
+where there is none. Without a fresh scan, a fresh map and a speed limit it stands still, and
+logs why."""
+AGAIN = """\
+Each runs as a process of its own. How they are started, and started again in place of one
+that runs (under the program's name; without it, a second one would run beside the first):"""
 
 
 def text() -> str:
