@@ -186,9 +186,8 @@ class Recorder:
         if not self.selection.with_hidden and graph.is_hidden(topic):
             self._warn_once("Hidden topics are not recorded. Enable them with --include-hidden-topics")
             return False
-        if not published and not self.selection.with_unpublished:
-            return False
-        return not (self.selection.without_leaves and self.node.count_subscribers(topic) == 0)
+        is_wanted = published or self.selection.with_unpublished
+        return bool(is_wanted and (not self.selection.without_leaves or self.node.count_subscribers(topic)))
 
     def _subscribe(self, topic: str, type_name: str, published: Sequence[TopicEndpointInfo]) -> None:
         try:

@@ -13,8 +13,7 @@ LOOPBACK = "127.0.0.1"
 SHARED_MEMORY = Path("/dev/shm")
 NEEDED_SHARED_MEMORY = 32  # MB: each process with nodes takes 0.6, images come on top
 CONTAINERS_SHARED_MEMORY = 70  # MB: Docker gives 64 MiB unless it is told otherwise
-LAB_PORT = 8888
-LAB_PORTS = range(LAB_PORT, LAB_PORT + 51)  # JupyterLab tries the next ones when its own is taken
+LAB_PORTS = range(8888, 8939)  # JupyterLab tries the next ones when its own is taken
 PACKET_TIMEOUT = 2.0
 
 

@@ -141,7 +141,8 @@ def unfinished_mcap(file: Path, records: Sequence[tuple[int, int, int]]) -> Read
     with _known("reads mcap files"):
         from rosbags.rosbag2 import storage_mcap
 
-        storage = storage_mcap.McapReader(file)
+        reader = Reader(file)
+        storage: Any = reader.storage
         storage.bio = file.open("rb")
         try:
             if records:
@@ -168,8 +169,7 @@ def unfinished_mcap(file: Path, records: Sequence[tuple[int, int, int]]) -> Read
                     storage.chunks.append(
                         storage_mcap.ChunkInfo(*where, {}, 0, compression, compressed, size, everywhere)
                     )
-            reader = Reader(file)
-            reader.storage, reader.is_open = storage, True
+            reader.is_open = True
             return reader
         except BaseException:
             storage.bio.close()
