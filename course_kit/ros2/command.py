@@ -41,7 +41,7 @@ def parser_for(words: Sequence[str]) -> ArgumentParser:
     flag("--use-python-default-buffering", "do not write each line at once where the output is no terminal")(parser)
     named = [word for word in words if not word.startswith("-")]
     parsers = _subparsers(parser, COMMANDS, named)
-    parser.set_defaults(verb=None, named=parser)
+    parser.set_defaults(verb=None, named=parser, words=words)
     if named and named[0] in COMMANDS:
         _fill(parsers[named[0]], *named)
     return parser

@@ -78,5 +78,5 @@ def seconds_text(nanoseconds: int) -> str:
 def moment_text(nanoseconds: int) -> str:
     """A time as date, time of day here, and seconds since the epoch."""
     local = time.localtime(nanoseconds // 10**9)
-    date = f"{time.strftime('%b', local)} {local.tm_mday:2} {local.tm_year}"
-    return f"{date} {time.strftime('%H:%M:%S', local)}.{nanoseconds % 10**9:09} ({seconds_text(nanoseconds)})"
+    moment = time.strftime("%b %e %Y %H:%M:%S", local)
+    return f"{moment}.{nanoseconds % 10**9:09} ({seconds_text(nanoseconds)})"

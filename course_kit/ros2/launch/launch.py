@@ -5,7 +5,8 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any, NoReturn
 
@@ -16,7 +17,6 @@ from course_kit.ros2.completion import offering
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, failing, flag, look_up, one_of
 
-FLAGS = ("noninteractive", "debug", "print", "show_args", "show_all_subprocesses_output")
 EXTENSIONS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
 
 
@@ -40,9 +40,9 @@ def _run(args: Namespace, session: Session) -> int:
     if session.in_notebook or args.duration is not None:
         # A launch has a loop, signals and an environment of its own, so it is a process of its own.
         start = "from course_kit.ros2.command import main; main()"
-        return children.run_in_notebook([sys.executable, "-c", start, "launch", *words(args)], session)
+        return children.run_in_notebook([sys.executable, "-c", start, *_without_duration(args.words)], session)
     if _is_real():
-        _hand_over(["launch", *words(args)])
+        _hand_over(args.words)
     path, given = find_launch_file(args)
     values = parse_arguments(given)
     if args.show_all_subprocesses_output:
@@ -60,15 +60,10 @@ def _run(args: Namespace, session: Session) -> int:
     return _launch(path, values, given, args)
 
 
-def words(args: Namespace) -> list[str]:
-    """The command line that these arguments came from, without --duration."""
-    found = []
-    for name in (*FLAGS, "launch_prefix", "launch_prefix_filter"):
-        option, value = f"--{name.replace('_', '-')}", getattr(args, name)
-        if value not in (None, False):
-            found.append(option if value is True else f"{option}={value}")
-    named = [args.package_name, args.launch_file_name, *args.launch_arguments]
-    return [*found, *(name for name in named if name is not None)]
+def _without_duration(words: Sequence[str]) -> list[str]:
+    parser = ArgumentParser(add_help=False)
+    duration(parser)
+    return parser.parse_known_args(words)[1]
 
 
 def _is_real() -> bool:
@@ -77,10 +72,10 @@ def _is_real() -> bool:
     return spec is not None and spec.origin is not None
 
 
-def _hand_over(command_line: list[str]) -> NoReturn:
+def _hand_over(words: Sequence[str]) -> NoReturn:
     start = "import sys; from ros2cli.cli import main; sys.exit(main())"
     sys.stdout.flush()
-    os.execv(sys.executable, [sys.executable, "-c", start, *command_line])
+    os.execv(sys.executable, [sys.executable, "-c", start, *words])
 
 
 def find_launch_file(args: Namespace) -> tuple[str, list[str]]:
