@@ -42,9 +42,13 @@ def test_each_argument_is_explained(command):
         (("bag", "play", "--rate", "0", "."), "--rate: 0 is not in the valid range (> 0.0)"),
         (("bag", "play", "--delay=-1", "."), "--delay: Value -1 is less than zero."),
         (("bag", "play", "--clock", "often", "."), "--clock: often is not the valid type (float)"),
+        (
+            ("bag", "play", "--qos-profile-overrides-path", "/no/such", "."),
+            "path: can't open '/no/such': [Errno 2] No such file or directory: '/no/such'",
+        ),
     ],
 )
-def test_a_number_that_cannot_be_is_refused_in_the_real_command_s_words(words, refusal, capsys):
+def test_a_value_that_cannot_be_is_refused_in_the_real_command_s_words(words, refusal, capsys):
     with pytest.raises(SystemExit):
         run(words)
     assert capsys.readouterr().err.endswith(f"{refusal}\n")

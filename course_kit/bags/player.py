@@ -89,7 +89,7 @@ class Player:
 
     def __init__(self, bag: OpenBag, options: PlayOptions, say: Callable[[BagLogLine], None]) -> None:
         self.bag, self.options = bag, options
-        self._say = lambda text, level="INFO": say(BagLogLine(level, NODE, text, time.time_ns()))
+        self.say = lambda text, level="INFO": say(BagLogLine(level, NODE, text, time.time_ns()))
         context.start()
         self.node = quiet_node(NODE, with_rosout=True)
         has_messages = any(connection.msgcount for connection in bag.connections)
@@ -101,7 +101,7 @@ class Player:
         profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
         clock_rate = options.clock_rate
         self._clock_publisher = self.node.create_publisher(Clock, "/clock", profile) if clock_rate else None
-        self._say(f"Set rate to {options.rate:g}")
+        self.say(f"Set rate to {options.rate:g}")
         try:
             self.publishers = {c.topic: p for c in bag.connections if (p := self._publisher(c)) is not None}
         except Exception:
@@ -115,10 +115,10 @@ class Player:
         try:
             message_type = topics.message_class(connection.msgtype)
         except (ImportError, ValueError) as error:
-            self._say(f"Ignoring a topic '{topic}', reason: {str(error).rstrip('.')}.", "WARN")
+            self.say(f"Ignoring a topic '{topic}', reason: {str(error).rstrip('.')}.", "WARN")
             return None
         if topic in self.options.overrides:
-            self._say(f"Overriding QoS profile for topic {topic}")
+            self.say(f"Overriding QoS profile for topic {topic}")
             profile = self.options.overrides[topic]
         else:
             profile = bag_qos.to_offer(connection.ext.offered_qos_profiles)
@@ -135,30 +135,30 @@ class Player:
     def toggle_pause(self) -> None:
         """Stand still, or go on."""
         self.clock.pause(not self.clock.is_paused)
-        self._say("Pausing play." if self.clock.is_paused else "Resuming play.")
+        self.say("Pausing play." if self.clock.is_paused else "Resuming play.")
 
     def set_rate(self, rate: float) -> None:
         """Play faster or slower from now on."""
         if rate > 0:
             self.clock.set_rate(rate)
-            self._say(f"Set rate to {rate:g}")
+            self.say(f"Set rate to {rate:g}")
         else:
-            self._say(f"Failed to set rate to invalid value {rate:g}", "WARN")
+            self.say(f"Failed to set rate to invalid value {rate:g}", "WARN")
 
     def play_next(self) -> None:
         """Publish one message more while standing still."""
         if self.clock.is_paused:
             self._steps += 1
         else:
-            self._say("Called play next, but not in paused state.", "WARN")
+            self.say("Called play next, but not in paused state.", "WARN")
 
     def play(self, tick: Callable[[], None]) -> None:
         """Play to the end, or on and on if `loop`; `tick` is called every so often and may raise to end it."""
         stop_at = None if self.options.duration is None else self._start + int(self.options.duration * 1e9)
-        self._say(f"Playback until timestamp: {-1 if stop_at is None else stop_at}")
+        self.say(f"Playback until timestamp: {-1 if stop_at is None else stop_at}")
         while True:
             if self.options.delay > 0:
-                self._say(f"Sleep {int(self.options.delay * 1e9)} ns")
+                self.say(f"Sleep {int(self.options.delay * 1e9)} ns")
                 wait_until(tick, self.options.delay, SLICE)
             self._play_once(tick, stop_at)
             if not self.options.loop:

@@ -80,11 +80,11 @@ class Recorder:
         name = self.node.get_fully_qualified_name()
         self._watcher = Watcher(self.node, lambda error: errors.report(name, error))
         context.before_stop(self.stop)  # the bag is closed before the ROS context ends
-        self._say("Listening for topics...")
-        self._say("Event publisher thread: Starting")
+        self.say("Listening for topics...")
+        self.say("Event publisher thread: Starting")
         self._run(self._write, "writer")
         self._look()
-        self._say("Recording...")
+        self.say("Recording...")
         if self.looks_on:
             self._run(self._look_on, "looks for topics")
 
@@ -117,7 +117,7 @@ class Recorder:
         """Ignore what comes from now on, or record again."""
         if self.is_paused != is_paused:
             self.is_paused = is_paused
-            self._say("Pausing recording." if is_paused else "Resuming recording.")
+            self.say("Pausing recording." if is_paused else "Resuming recording.")
 
     def stop(self) -> None:
         """End the recording, with everything that has come until now, and close the bag. Safe to call twice."""
@@ -130,34 +130,35 @@ class Recorder:
             thread.join(5.0)
         close_all(self._subscriptions)  # delivers what has arrived
         self.pause(True)
-        self._say("Writing remaining messages from cache to the bag. It may take a while", logger=CPP)
+        self.say("Writing remaining messages from cache to the bag. It may take a while", logger=CPP)
         self._last.set()
         writing.join()
         self._watcher.stop()
         with contextlib.suppress(Exception):  # a student may have shut ROS down
             self.node.destroy_node()
-        self._say("Event publisher thread: Exiting")
-        self._say("Recording stopped")
+        self.say("Event publisher thread: Exiting")
+        self.say("Recording stopped")
         if self.lost:
-            self._say(f"Number of messages lost on the transport layer: {self.lost}", "WARN")
+            self.say(f"Number of messages lost on the transport layer: {self.lost}", "WARN")
         if self.dropped:
-            self._say(f"Number of messages lost because they came faster than written: {self.dropped}", "WARN", CPP)
+            self.say(f"Number of messages lost because they came faster than written: {self.dropped}", "WARN", CPP)
 
-    def _say(self, text: str, level: str = "INFO", logger: str = RECORDER) -> None:
+    def say(self, text: str, level: str = "INFO", logger: str = RECORDER) -> None:
+        """Log a line."""
         name = self.node_name if logger == RECORDER else logger
         self.log.put(BagLogLine(level, name, text, time.time_ns()))
 
     def _warn_once(self, text: str, logger: str = TRANSPORT) -> None:
         if text not in self._said:
             self._said.add(text)
-            self._say(text, "WARN", logger)
+            self.say(text, "WARN", logger)
 
     # Looking for topics, in a thread of its own.
 
     def _look_on(self) -> None:
         while not self._ending.is_set():
             if self.selection.is_finite and set(self.selection.names) <= self._subscriptions.keys():
-                self._say("All requested topics are subscribed. Stopping discovery...")
+                self.say("All requested topics are subscribed. Stopping discovery...")
                 return
             if self._ending.wait(self.look_period):
                 return
@@ -202,12 +203,12 @@ class Recorder:
         digest = bag_types.type_hash(type_name) or next((one for one in told if one.startswith("RIHS")), "")
         self.writer.add_topic(topic, type_name, [bag_qos.recorded(p.qos_profile) for p in published], digest=digest)
         if topic in self.overrides:
-            self._say(f"Overriding subscription profile for {topic}")
+            self.say(f"Overriding subscription profile for {topic}")
             qos = self.overrides[topic]
         else:
             qos = topics.qos_for(topic, published)
         self._subscriptions[topic] = self._watcher.subscribe(topic, message_type, qos, self._receiver(topic))
-        self._say(f"Subscribed to topic '{topic}'")
+        self.say(f"Subscribed to topic '{topic}'")
 
     def _receiver(self, topic: str) -> Callable[[bytes, dict[str, Any]], None]:
         put = self._queue.append

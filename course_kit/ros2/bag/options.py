@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import re
 import sys
-from argparse import ArgumentTypeError, Namespace
+from argparse import ArgumentTypeError, FileType, Namespace
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from course_kit.ros2.session import Session, log_text
 from course_kit.ros2.verbs import Arguments, CommandError, all_of, argument, failing, flag, one_line
@@ -31,14 +31,6 @@ def _existing_path(text: str) -> str:
     return text
 
 
-def _readable_file(path: str) -> str:
-    try:
-        with open(path, encoding="utf-8"):
-            return path
-    except OSError as error:
-        raise ArgumentTypeError(f"can't open '{path}': {error}") from None
-
-
 BAG = all_of(
     argument("bag_path", "the bag: its folder, or one file of it", type=_existing_path),
     argument("-s --storage", "accepted: the files tell by themselves", default="", choices=STORAGES),
@@ -46,7 +38,7 @@ BAG = all_of(
 REGEX = argument("-e --regex", "topics that this regular expression finds", default="")
 EXCLUDE_REGEX = argument("-x --exclude-regex", "none that this regular expression finds", default="")
 SHARED = all_of(
-    argument("--qos-profile-overrides-path", "a YAML file, QoS policies by topic", type=_readable_file),
+    argument("--qos-profile-overrides-path", "a YAML file, QoS policies by topic", type=FileType(encoding="utf-8")),
     flag("--disable-keyboard-controls", "take no keys from the terminal"),
     argument("--log-level", "the least that is worth a line (default: info)", default="info", choices=LEVELS),
 )
@@ -75,18 +67,18 @@ def unfinished(path: str, count: int) -> str:
     )
 
 
-def qos_overrides(path: str | None) -> dict[str, QoSProfile]:
-    """{topic: profile} from a YAML file; none without a path. CommandError for what is no such file."""
-    if path is None:
+def qos_overrides(file: IO[str] | None) -> dict[str, QoSProfile]:
+    """{topic: profile} from a YAML file; none without one. CommandError for what is no such file."""
+    if file is None:
         return {}
     import yaml
 
     from course_kit.bags import qos as bag_qos
 
     with (
-        failing_with(yaml.YAMLError, say=lambda error: f"'{path}' is no YAML: {one_line(error)}"),
+        failing_with(yaml.YAMLError, say=lambda error: f"'{file.name}' is no YAML: {one_line(error)}"),
         failing_with(OSError, ValueError),
-        open(path, encoding="utf-8") as file,
+        file,
     ):
         return bag_qos.overrides(yaml.safe_load(file) or {})
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Callable
 from functools import partial
@@ -65,15 +64,13 @@ def _run(
     bag: OpenBag, wanted: PlayOptions, session: Session, pressed: Callable[[], str | None] | None, log_level: str
 ) -> int:
     """Play until the end, or until something ends it."""
-    from course_kit.bags.player import NODE, Player
-    from course_kit.bags.recorder import BagLogLine
+    from course_kit.bags.player import Player
     from course_kit.watching import topics
 
-    say = partial(options.show, session=session, log_level=log_level)
     with failing_with(ValueError):
-        player = Player(bag, wanted, say)
+        player = Player(bag, wanted, partial(options.show, session=session, log_level=log_level))
     for text in KEY_LINES if pressed else ():
-        say(BagLogLine("INFO", NODE, text, time.time_ns()))
+        player.say(text)
 
     def tick() -> None:
         session.check_time()
@@ -91,7 +88,7 @@ def _run(
         player.play(tick)
         return 0
     except (SystemExit, KeyboardInterrupt, DurationOver) as ending:
-        say(BagLogLine("INFO", NODE, "Stopping playback.", time.time_ns()))
+        player.say("Stopping playback.")
         if isinstance(ending, SystemExit):
             return 0
         raise

@@ -46,7 +46,7 @@ def _record(args: Namespace, session: Session) -> int:
     options.refuse_unsupported(args, UNSUPPORTED)
     overrides = options.qos_overrides(args.qos_profile_overrides_path)
 
-    from course_kit.bags.recorder import BagLogLine, Recorder
+    from course_kit.bags.recorder import Recorder
     from course_kit.bags.storage import BagError
     from course_kit.bags.writer import BagWriter
     from course_kit.ros2.bag.keys import keys
@@ -64,7 +64,7 @@ def _record(args: Namespace, session: Session) -> int:
         period, looks_on = max(0.01, args.polling_interval / 1000), not args.no_discovery
         recorder = Recorder(writer, selection, overrides, args.node_name, period, looks_on, args.start_paused)
         if has_keys:
-            recorder.log.put(BagLogLine("INFO", args.node_name, "Press SPACE for pausing/resuming", time.time_ns()))
+            recorder.say("Press SPACE for pausing/resuming")
         return _run(recorder, pressed, session, args.log_level)
 
 
