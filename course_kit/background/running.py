@@ -45,17 +45,13 @@ class _Running:
 
 _lock = threading.RLock()
 _running: dict[str, _Running] = {}
-_listeners: set[Callable[[str, str], None]] = set()
+# What is called with an event and the name of a node: "starting", "running", "failed", "stopped".
+listeners: set[Callable[[str, str], None]] = set()
 _constructing = threading.local()  # its `name` is that of the node whose constructor runs in this thread
 
 
-def listen(listener: Callable[[str, str], None]) -> None:
-    """Have `listener(event, node name)` called on each event: "starting", "running", "failed", "stopped"."""
-    _listeners.add(listener)
-
-
 def _tell(event: str, name: str) -> None:
-    for listener in list(_listeners):
+    for listener in list(listeners):
         listener(event, name)
 
 

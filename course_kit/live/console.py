@@ -81,9 +81,9 @@ _updater: threading.Thread | None = None
 
 def attach() -> None:
     """Show a console for each node that runs from now on."""
-    running.listen(_on_event)
-    errors.listen(_on_error)
-    rosout.listen(_on_line)
+    running.listeners.add(_on_event)
+    errors.listeners.add(_on_error)
+    rosout.listeners.add(_on_line)
     context.before_stop(_end)
 
 

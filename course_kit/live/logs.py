@@ -43,7 +43,7 @@ class LogPanel(Life, VBox):
         for choice in (self.node, self.level, self.text, self.pause):
             choice.observe(self._on_change, names="value")
         self.set_level.observe(self._set_level, names="value")
-        rosout.listen(self._on_change)
+        rosout.listeners.add(self._on_change)
         self.show_lines()
         self._begin("log console", PERIOD)
 
@@ -73,7 +73,7 @@ class LogPanel(Life, VBox):
         return PERIOD
 
     def _end(self, error: Exception | None) -> None:
-        rosout.unlisten(self._on_change)
+        rosout.listeners.discard(self._on_change)
         if error is not None:
             self._say(stands_still("The console", error))
 

@@ -29,7 +29,7 @@ _consoles: dict[str, ProcessConsole] = {}
 
 def attach() -> None:
     """Show a console for each process that is started from now on."""
-    processes.listen(_on_start, _on_change)
+    processes.listeners.add((_on_start, _on_change))
 
 
 def _on_start(process: Process) -> None:

@@ -43,19 +43,9 @@ class LogLine:
 
 
 _lines: deque[LogLine] = deque(maxlen=KEPT)
-_listeners: set[Callable[[LogLine], None]] = set()
+listeners: set[Callable[[LogLine], None]] = set()  # called, in the instruments' thread, with each line
 _lock = threading.Lock()
 _subscription: Any = None
-
-
-def listen(listener: Callable[[LogLine], None]) -> None:
-    """Have `listener` called, in the instruments' thread, for each line from now on."""
-    _listeners.add(listener)
-
-
-def unlisten(listener: Callable[[LogLine], None]) -> None:
-    """Have `listener` called no more."""
-    _listeners.discard(listener)
 
 
 def collect() -> None:
@@ -78,7 +68,7 @@ def _receive(serialised: bytes, _info: Any) -> None:
         return
     with _lock:
         _lines.append(line)
-    for listener in list(_listeners):
+    for listener in list(listeners):
         listener(line)
 
 

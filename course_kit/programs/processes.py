@@ -27,7 +27,7 @@ Listener = Callable[["Process"], None]
 
 _lock = threading.RLock()
 _processes: dict[str, Process] = {}
-_listeners: set[tuple[Listener, Listener]] = set()  # of a start, and of what changes then
+listeners: set[tuple[Listener, Listener]] = set()  # of a start, called in its cell, and of each line and the end
 
 
 def start(
@@ -55,7 +55,7 @@ def start(
         _processes[name] = process
         atexit.unregister(_end)
         atexit.register(_end)
-    for on_start, _ in list(_listeners):
+    for on_start, _ in list(listeners):
         on_start(process)
     process.add_done_callback(_tell)
     process.begin()
@@ -102,13 +102,8 @@ def _words(command: str | Sequence[str]) -> list[str]:
     return words
 
 
-def listen(on_start: Listener, on_change: Listener) -> None:
-    """Have `on_start(process)` called in the cell that starts one, `on_change(process)` for each line and the end."""
-    _listeners.add((on_start, on_change))
-
-
 def _tell(process: Process) -> None:
-    for _, on_change in list(_listeners):
+    for _, on_change in list(listeners):
         on_change(process)
 
 

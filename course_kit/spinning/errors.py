@@ -55,7 +55,7 @@ def _is_plumbing(path: Path) -> bool:
 # Nodes of this process, whose errors are reported here.
 reporting: set[str] = set()
 _errors: deque[CallbackError] = deque(maxlen=KEPT)
-_listeners: set[Callable[[CallbackError], None]] = set()
+listeners: set[Callable[[CallbackError], None]] = set()  # called, in the executor's thread, with each error
 _lock = threading.Lock()
 
 
@@ -69,13 +69,8 @@ def report(node: str, exception: Exception) -> None:
             error = last
         else:
             _errors.append(error)
-    for listener in list(_listeners):
+    for listener in list(listeners):
         listener(error)
-
-
-def listen(listener: Callable[[CallbackError], None]) -> None:
-    """Have `listener` called, in the executor's thread, for each error from now on."""
-    _listeners.add(listener)
 
 
 def errors(node: str | None = None) -> list[CallbackError]:
