@@ -6,7 +6,6 @@ from course_kit.figures import COLOURS, Plot, style, widen
 from course_kit.live.life import Bundle
 from course_kit.live.view import LONGEST, LiveView, as_picture
 from course_kit.series import field_paths, value_plots, value_series
-from course_kit.series.value_series import Values
 
 PERIOD = 0.5  # seconds between two pictures: one takes most of a tenth of a second of the processor
 KEPT = 20_000  # messages of each topic
@@ -28,19 +27,14 @@ def watch_values(
     def draw() -> Bundle:
         now = recording.duration
         read = value_series.from_recording(wanted, recording, since=now - span, most=MOST)
-        return as_picture(_picture(read, span, now))
+        plot = Plot(8.4, 0.7 + 1.5 * len(read))
+        rows = plot.subplots(len(read), 1, squeeze=False, sharex=True)[:, 0]
+        for axes, colour, series in zip(rows, COLOURS * len(read), read.values(), strict=False):
+            style(axes, title=series.path)
+            value_plots.draw_series(axes, series, colour, series.start_ns)
+            widen(axes)
+            axes.set_xlim(max(0.0, now - span), max(span, now))  # the same width of time whatever came
+        rows[-1].set_xlabel("time since the start [s]", fontsize=10)
+        return as_picture(plot)
 
     return LiveView("values", draw, recording.stop, period, seconds)
-
-
-def _picture(read: Values, span: float, now: float) -> Plot:
-    """The last part of the values, at the same width of time whatever came."""
-    plot = Plot(8.4, 0.7 + 1.5 * len(read))
-    rows = plot.subplots(len(read), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, colour, series in zip(rows, COLOURS * len(read), read.values(), strict=False):
-        style(axes, title=series.path)
-        value_plots.draw_series(axes, series, colour, series.start_ns)
-        widen(axes)
-        axes.set_xlim(max(0.0, now - span), max(span, now))
-    rows[-1].set_xlabel("time since the start [s]", fontsize=10)
-    return plot

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -144,10 +145,8 @@ class MessageBuffer:
             raise ValueError(
                 f"max_bytes={max_bytes} is too little for {len(self._channels)} topics: give {least} or more"
             )
-        self._messages_per_chunk = self._chunk_bytes // 48
-        if keep is not None:
-            self._messages_per_chunk = min(self._messages_per_chunk, max(keep, 64))
-        self._keep = keep
+        self._keep = sys.maxsize if keep is None else keep
+        self._messages_per_chunk = min(self._chunk_bytes // 48, max(self._keep, 64))
         self._max_bytes = max_bytes
         self._lock = threading.Lock()
         self._nbytes = 0
@@ -162,7 +161,7 @@ class MessageBuffer:
         channel = self._channels[topic]
         with self._lock:
             held, appended = sum(chunk.count for chunk in channel.chunks), channel.appended
-        kept = held if self._keep is None else min(held, self._keep)
+        kept = min(held, self._keep)
         return kept, appended - kept
 
     def appender(self, topic: str) -> Any:
@@ -197,7 +196,7 @@ class MessageBuffer:
     def _free_not_kept(self, channel: _Channel) -> None:
         """Free the chunks that lie wholly before the last `keep` messages."""
         held = sum(chunk.count for chunk in channel.chunks)
-        while self._keep is not None and channel.chunks and held - channel.chunks[0].count >= self._keep:
+        while channel.chunks and held - channel.chunks[0].count >= self._keep:
             held -= channel.chunks[0].count
             self._free_first(channel)
 
@@ -217,7 +216,7 @@ class MessageBuffer:
             chunks = [(chunk, chunk.count) for chunk in channel.chunks]
             appended = channel.appended
         held = sum(count for _, count in chunks)
-        kept = held if self._keep is None else min(held, self._keep)
+        kept = min(held, self._keep)
         runs, skip = [], held - kept
         for chunk, count in chunks:
             first = min(skip, count)

@@ -44,12 +44,10 @@ def stamps(serialised: Serialised, message_type: Any) -> npt.NDArray[np.float64]
         return None
     if not len(serialised):
         return np.empty(0)
-    little_endian = bool(serialised[0][1] & 1)
-    order = "<" if little_endian else ">"
+    order = "<" if serialised[0][1] & 1 else ">"  # little or big endian
     time = np.dtype([("sec", f"{order}i4"), ("nanosec", f"{order}u4")])
     read = serialised.columns(HEADER, time.itemsize).view(time)[:, 0]
-    result: npt.NDArray[np.float64] = read["sec"] + read["nanosec"] * 1e-9
-    return result
+    return np.asarray(read["sec"] + read["nanosec"] * 1e-9, np.float64)
 
 
 def values(messages: Iterable[Any], message_type: Any, path: str) -> npt.NDArray[Any]:

@@ -55,8 +55,7 @@ class Recording(Listening):
             append(message, info["received_timestamp"])
 
         def receive_until_complete(message: bytes, info: dict[str, Any]) -> None:
-            still = missing[topic]
-            if still:
+            if still := missing[topic]:
                 append(message, info["received_timestamp"])
                 missing[topic] = still - 1
                 if not any(missing.values()):

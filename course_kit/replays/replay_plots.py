@@ -27,11 +27,10 @@ def plot_comparison(compared: Comparison, title: str | None = None) -> Plot:
     """
     if not isinstance(compared, Comparison):
         raise TypeError(f"plot_comparison() draws what compare() returns, not {type(compared).__name__}")
-    both = [topic for topic, counts in compared.counts.items() if all(counts)]
-    if not both:
+    if not compared.both:
         raise ValueError("there is no topic on which both versions published: nothing to plot")
     names = numbered([compared.first.name, compared.second.name])
-    rows = [(topic, field) for topic in both for field in _fields(compared, topic)]
+    rows = [(topic, field) for topic in compared.both for field in _fields(compared, topic)]
     heights = [2.1 if field else 4.2 for _, field in rows]
     plot = Plot(10.4, 0.9 + sum(heights), title or f"{names[0]} and {names[1]}")
     grid = plot.subplots(len(rows), 2, squeeze=False, height_ratios=heights, width_ratios=(1.0, 1.0))

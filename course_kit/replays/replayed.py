@@ -114,10 +114,8 @@ class Comparison:
             topic: tuple(len(one[topic]) if topic in one else 0 for one in (first, second))
             for topic in dict.fromkeys([*first, *second])
         }
-        self.differences: list[Difference] = []
-        for topic, (a, b) in self.counts.items():
-            if a and b:
-                self.differences += _differences(first[topic], second[topic])
+        self.both = [topic for topic, counts in self.counts.items() if all(counts)]
+        self.differences = [one for topic in self.both for one in _differences(first[topic], second[topic])]
 
     def __bool__(self) -> bool:
         same = all(a == b for a, b in self.counts.values())

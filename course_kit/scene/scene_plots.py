@@ -134,8 +134,7 @@ def shades(cells: npt.NDArray[np.int8]) -> npt.NDArray[np.uint8]:
     table[:101] = known  # of int8 seen as uint8: 0 to 100, then what is no probability, with -1 as 255
     assert np.int8(UNKNOWN).view(np.uint8) == 255
     opaque = np.column_stack([np.round(table * 255), np.full(256, 255)]).astype(np.uint8)
-    coloured: npt.NDArray[np.uint8] = opaque[cells.view(np.uint8)]
-    return coloured
+    return np.asarray(opaque[cells.view(np.uint8)], np.uint8)
 
 
 def _draw_layer(axes: Axes, one: Layer, colour: str) -> Any:
