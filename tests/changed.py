@@ -56,7 +56,8 @@ class Dependencies:
             self._add(notebook.removeprefix("notebooks."), "tests.test_notebooks")
             self._add(notebook.removeprefix("notebooks."), notebook)
             modules = ["tests.exercises.test_answers", f"tests.exercises.answers_{chapter}", notebook]
-            modules += [f"course_kit.exercises.{module}" for module in exercises.MODULES.get(chapter, (chapter,))]
+            paths = (ROOT / "course_kit/exercises").glob(f"{chapter}*.py")
+            modules += [f"course_kit.exercises.{path.stem}" for path in paths]
             for group in sorted({group_of(one.name) for one in exercises.of_chapter(chapter)}):
                 for module in modules:
                     self._add(group, module)

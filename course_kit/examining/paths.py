@@ -6,30 +6,23 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
-from typing import Any, Protocol
+from typing import Any
 
 Point = tuple[float, float]
+Poses = Sequence[Any]  # turtlesim/msg/Pose, or what has its x and y (metres) and theta (radians)
 
 
-class PoseLike(Protocol):
-    """A pose in the plane: metres and radians."""
-
-    x: float
-    y: float
-    theta: float
-
-
-def gap(poses: Sequence[PoseLike]) -> float:
+def gap(poses: Poses) -> float:
     """Metres from the end to the beginning."""
     return math.dist((poses[0].x, poses[0].y), (poses[-1].x, poses[-1].y))
 
 
-def length(poses: Sequence[PoseLike]) -> float:
+def length(poses: Poses) -> float:
     """Metres along the path."""
     return sum(math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses))
 
 
-def headings(poses: Sequence[PoseLike]) -> list[float]:
+def headings(poses: Poses) -> list[float]:
     """The heading at each pose, counted on beyond half turns, from 0 at the first."""
     turns = (math.remainder(b.theta - a.theta, math.tau) for a, b in pairwise(poses))
     return list(accumulate(turns, initial=0.0))
@@ -43,7 +36,7 @@ class Loop:
     length: float
 
 
-def two_loops(poses: Sequence[PoseLike]) -> tuple[Loop, Loop]:
+def two_loops(poses: Poses) -> tuple[Loop, Loop]:
     """The path cut where the heading is farthest from where it began."""
     turned = headings(poses)
     cut = max(range(len(turned)), key=lambda place: abs(turned[place]))
@@ -52,17 +45,17 @@ def two_loops(poses: Sequence[PoseLike]) -> tuple[Loop, Loop]:
     return first, second
 
 
-def longest_jump(poses: Sequence[PoseLike]) -> float:
+def longest_jump(poses: Poses) -> float:
     """The longest way between two poses that follow each other, metres."""
     return max((math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses)), default=0.0)
 
 
-def top_speed(poses: Sequence[Any]) -> float:
+def top_speed(poses: Poses) -> float:
     """The greatest `linear_velocity` of a path, m/s."""
     return max((pose.linear_velocity for pose in poses), default=0.0)
 
 
-def nearest_approach(poses: Sequence[PoseLike], point: Point) -> float:
+def nearest_approach(poses: Poses, point: Point) -> float:
     """How near the path came to a point, metres."""
     return min((math.dist((pose.x, pose.y), point) for pose in poses), default=math.inf)
 

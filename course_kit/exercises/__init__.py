@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import difflib
 import importlib
+import pkgutil
 
 from course_kit.examining.exercise import DECLARED, Exercise
 
-# Which modules there are, in the order of the course: {what an exercise's name begins with: chapter's title}.
+# In the order of the course: {what names begin with, of the chapter's exercises and of their modules: its title}.
 CHAPTERS = {
     "setup": "1 · Setup checks",
     "workspace": "2 · Workspace",
@@ -20,18 +21,13 @@ CHAPTERS = {
     "actions": "5 · Actions",
     "debugging": "6 · Debugging",
 }
-# Where the module is not called as the exercises are, or there is more than one.
-MODULES = {
-    "setup": ("setup_checks",),
-    "workspace": ("workspace", "workspace_patrol"),
-    "debugging": ("debugging", "debugging_nodes"),
-}
 
 
 def of_chapter(chapter: str) -> list[Exercise]:
     """The exercises of a chapter, in order."""
-    for module in MODULES.get(chapter, (chapter,)):
-        importlib.import_module(f"{__name__}.{module}")
+    for module in pkgutil.iter_modules(__path__):
+        if module.name.startswith(chapter):
+            importlib.import_module(f"{__name__}.{module.name}")
     declared = [exercise for exercise in DECLARED.values() if exercise.chapter == chapter]
     return sorted(declared, key=lambda exercise: int(exercise.name.rsplit("-", 1)[1]))
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import time
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 from example_interfaces.action import Fibonacci
 from turtlesim.msg import Pose
@@ -243,12 +244,9 @@ def _corners(start: Pose) -> list[tuple[paths.Point, paths.Point]]:
     """The corners of a star from a pose, each for both ways round."""
     ways = []
     for sign in (1, -1):
-        x, y, corners = start.x, start.y, []
-        for number in range(5):
-            heading = start.theta + sign * number * STAR_TURN
-            x, y = x + SIDE * math.cos(heading), y + SIDE * math.sin(heading)
-            corners.append((x, y))
-        ways.append(corners)
+        sides = [cmath.rect(SIDE, start.theta + sign * number * STAR_TURN) for number in range(5)]
+        ends = accumulate(sides, initial=complex(start.x, start.y))
+        ways.append([(end.real, end.imag) for end in ends][1:])
     return list(zip(*ways, strict=True))
 
 

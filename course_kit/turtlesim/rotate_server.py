@@ -31,7 +31,7 @@ class RotateServer(ActionServer):
             node,
             RotateAbsolute,
             name,
-            execute_callback=self._never,
+            execute_callback=lambda _: None,  # never called: goals are driven by the ticks
             goal_callback=lambda _: GoalResponse.REJECT if self.retired else GoalResponse.ACCEPT,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
@@ -94,6 +94,3 @@ class RotateServer(ActionServer):
         """Be waited for, unless it is destroyed."""
         if not self._destroyed:
             super().add_to_wait_set(wait_set)
-
-    def _never(self, goal_handle: ServerGoalHandle) -> RotateAbsolute.Result:
-        raise NotImplementedError("goals are driven by the ticks")
