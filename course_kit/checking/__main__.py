@@ -1,11 +1,11 @@
-"""The checker's process: `python -m course_kit.checking FILE_DESCRIPTOR` serves on that socket until it is closed."""
+"""The checker's process: `python -m course_kit.checking FILE_DESCRIPTOR` serves on that one until it is closed."""
 
 from __future__ import annotations
 
 import os
 import signal
-import socket
 import sys
+from multiprocessing.connection import Connection
 
 
 def main() -> None:
@@ -16,7 +16,7 @@ def main() -> None:
     from course_kit.spinning import action_answers
 
     action_answers.keep()
-    lines = Lines(socket.socket(fileno=int(sys.argv[1])))
+    lines = Lines(Connection(int(sys.argv[1])))
     Checker(lines).serve()
     sys.stdout.flush()
     sys.stderr.flush()

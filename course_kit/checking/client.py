@@ -5,11 +5,11 @@ from __future__ import annotations
 import atexit
 import contextlib
 import os
-import socket
 import sys
 import threading
 import time
 from collections.abc import Mapping
+from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,7 @@ class CheckerProcess:
     """The checker's process."""
 
     def __init__(self) -> None:
-        ours, theirs = socket.socketpair()
+        ours, theirs = Pipe()
         with theirs:
             command = [sys.executable, "-m", "course_kit.checking", str(theirs.fileno())]
             # Nothing of a student's is loaded there: it is without the workspaces that the notebook uses, and in the
@@ -83,7 +83,7 @@ class CheckerProcess:
             self._lines.send({"answer": order["order"], "error": f"what it gave cannot be looked at: {error}"})
 
     def close(self, patience: float) -> None:
-        """End it: it leaves ROS in good order when the socket closes, and is killed if it does not."""
+        """End it: it leaves ROS in good order when the connection closes, and is killed if it does not."""
         self._lines.close()
         with contextlib.suppress(TimeoutError):
             self.process.wait(patience)

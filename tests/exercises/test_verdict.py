@@ -6,10 +6,10 @@ import contextlib
 import math
 import os
 import resource
-import socket
 import threading
 from collections import namedtuple
 from dataclasses import asdict
+from multiprocessing import Pipe
 from pathlib import Path
 
 import numpy as np
@@ -78,13 +78,13 @@ def test_a_value_that_is_none_of_these_is_refused():
 
 
 def test_lines_carry_messages_and_notice_the_end():
-    ours, theirs = socket.socketpair()
+    ours, theirs = Pipe()
     one, other = Lines(ours), Lines(theirs)
     one.send({"a": 1})
     one.send({"b": "ü\n"})
     assert other.receive(1) == {"a": 1} and other.receive(1) == {"b": "ü\n"}
     assert other.receive(0.01) is None
-    theirs.sendall(b"no json\n")
+    theirs.send_bytes(b"no json")
     with pytest.raises(Closed):
         one.receive(1)
     ours.close()
@@ -99,7 +99,7 @@ def test_messages_come_also_where_a_thousand_files_are_open():
         opened.callback(resource.setrlimit, resource.RLIMIT_NOFILE, (soft, hard))
         while opened.enter_context(open(os.devnull)).fileno() <= 1024:
             pass
-        ours, theirs = map(opened.enter_context, socket.socketpair())
+        ours, theirs = map(opened.enter_context, Pipe())
         assert theirs.fileno() > 1023
         Lines(ours).send({"a": 1})
         other = Lines(theirs)
@@ -107,7 +107,7 @@ def test_messages_come_also_where_a_thousand_files_are_open():
 
 
 def test_what_is_too_long_is_not_sent_and_what_may_be_sent_is_received():
-    ours, theirs = socket.socketpair()
+    ours, theirs = Pipe()
     with ours, theirs:
         one, other = Lines(ours), Lines(theirs)
         with pytest.raises(TooLong, match=r"it is 10 MB long as text, and a check takes 10 MB at most"):
