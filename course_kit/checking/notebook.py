@@ -22,12 +22,9 @@ def check(exercise: str, value: Any = None) -> None:
     """
     try:
         verdict = client.ask(exercise, as_json(value), _names())
-    except (client.Refused, TypeError) as error:
-        print(f"check: {error}")
-        _be_strict(str(error))
-        return
     except Exception as error:  # a check never breaks a student's notebook
-        print(f"check: {exercise} could not be checked: {error}")
+        is_refused = isinstance(error, client.Refused | TypeError)
+        print(f"check: {error}" if is_refused else f"check: {exercise} could not be checked: {error}")
         _be_strict(str(error))
         return
     _show(verdict)

@@ -85,10 +85,10 @@ WIDTH = 20
 class Progress:
     """What is solved, by chapter: as text, and in a notebook drawn as bars."""
 
-    def __init__(self, points: dict[str, int] | None = None) -> None:
+    def __init__(self) -> None:
         self._notice = ""
         try:
-            self.points = load() if points is None else points
+            self.points = load()
         except Damaged as damaged:
             self.points, self._notice = {}, f"{str(damaged)[0].upper()}{str(damaged)[1:]}."
 
