@@ -35,10 +35,7 @@ def executable(program: str) -> Path:
     return path
 
 
-@functools.cache
-def _domain() -> int:
-    """Another domain, the same for this process."""
-    return reserve_stage()
+_domain = functools.cache(reserve_stage)  # another domain, the same for this process
 
 
 def _without(environ: Mapping[str, str], variable: str) -> Environment:

@@ -27,7 +27,6 @@ class TurtleInterface:
 
     def __init__(self, node: TurtleSim, name: str) -> None:
         self._node = node
-        self._world = node.world
         self._name = name
         self._lingers = 0  # ticks left for a killed turtle
         self._topics_and_services = contextlib.ExitStack()  # which ends them
@@ -72,7 +71,7 @@ class TurtleInterface:
     # Its entities and their callbacks.
 
     def _create_topics_and_services(self) -> None:
-        node, name, world, at_end = self._node, self._name, self._world, self._topics_and_services.callback
+        node, name, world, at_end = self._node, self._name, self._node.world, self._topics_and_services.callback
         self._pose = node.create_publisher(Pose, f"{name}/pose", QOS)
         at_end(node.destroy_publisher, self._pose)
         self._color = node.create_publisher(Color, f"{name}/color_sensor", QOS)
@@ -88,5 +87,5 @@ class TurtleInterface:
 
     def _on_cmd_vel(self, twist: Twist) -> None:
         sideways = twist.linear.y if self._node.get_parameter("holonomic").value else 0.0
-        self._world.command(self._name, twist.linear.x, sideways, twist.angular.z, time.monotonic_ns())
+        self._node.world.command(self._name, twist.linear.x, sideways, twist.angular.z, time.monotonic_ns())
         self._node.settle()
