@@ -269,7 +269,7 @@ run_tests() {
     # Their groups begin in the order that tests/conftest.py gives, not by how many tests they have.
     case ${1:-} in
         '' | --full | --changed)
-            beside=(--numprocesses "$((3 * $(nproc)))" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
+            beside=(--numprocesses "$((2 * $(nproc)))" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
             ;;
     esac
     "$python" -m ruff check || failed=1

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import signal
-import socket
 import subprocess
 import sys
+from multiprocessing import Pipe
 
 import pytest
 
+from course_kit.examining.lines import Lines
 from tests.waiting import TIMEOUT
 
 # As rclpy in a deadlock of the middleware: in a native call, and no other thread of Python's runs.
@@ -97,15 +98,16 @@ def test_the_ros2_command_at_sigterm() -> None:
 
 
 def test_the_checker() -> None:
-    ours, theirs = socket.socketpair()
+    ours, theirs = Pipe()
     process = subprocess.Popen(
         [sys.executable, "-c", NEVER_RETURNS + CHECKER, str(theirs.fileno())], pass_fds=[theirs.fileno()]
     )
     try:
         theirs.close()
-        ours.sendall(b'{"check": "nothing"}\n')
-        assert b"refused" in ours.recv(1000)
-        ours.close()
+        lines = Lines(ours)
+        lines.send({"check": "nothing"})
+        assert "refused" in (lines.receive(60) or {})
+        lines.close()
         assert process.wait(TIMEOUT) == 1
     finally:
         process.kill()

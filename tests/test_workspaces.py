@@ -391,7 +391,7 @@ def test_without_make_ninja_builds(small, tmp_path):
     tools = tmp_path / "tools"
     tools.mkdir()
     for name in ("bash", "sh", "cc", "c++", "gcc", "g++", "ld", "as", "ar", "ranlib", "env", "uname", "dirname"):
-        if found := shutil.which(name):
+        if found := shutil.which(name, path=os.defpath):  # not those of ccache
             (tools / name).symlink_to(found)
     prefix_bin = Path(os.environ["COURSE_KIT_PREFIX"], "bin")
     environ = fresh_environ(PATH=f"{prefix_bin}:{tools}")
