@@ -9,7 +9,7 @@ from multiprocessing import Pipe
 
 import pytest
 
-from course_kit.examining.lines import Lines
+from course_kit.examining.channel import Channel
 from tests.waiting import TIMEOUT
 
 # As rclpy in a deadlock of the middleware: in a native call, and no other thread of Python's runs.
@@ -104,10 +104,10 @@ def test_the_checker() -> None:
     )
     try:
         theirs.close()
-        lines = Lines(ours)
-        lines.send({"check": "nothing"})
-        assert "refused" in (lines.receive(60) or {})
-        lines.close()
+        channel = Channel(ours)
+        channel.send({"check": "nothing"})
+        assert "refused" in (channel.receive(60) or {})
+        channel.close()
         assert process.wait(TIMEOUT) == 1
     finally:
         process.kill()

@@ -28,7 +28,7 @@ class Talker(Node):
 talker = run(Talker)
 """
 
-# As many as there are on a machine that is busy with other tests.
+# On a busy machine the talker's timer is slower than its 50 Hz: what it published is counted.
 RATE = """
 before, begun = talker.count, time.monotonic()
 %ros2 topic hz /chatter --duration 2.5

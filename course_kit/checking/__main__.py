@@ -12,12 +12,12 @@ def main() -> None:
     """Serve. An interrupt is meant for the notebook's cell, not for this process."""
     signal.signal(signal.SIGINT, lambda *_: None)  # not SIG_IGN, which the programs that a check starts would inherit
     from course_kit.checking.server import Checker
-    from course_kit.examining.lines import Lines
+    from course_kit.examining.channel import Channel
     from course_kit.spinning import action_answers
 
     action_answers.keep()
-    lines = Lines(Connection(int(sys.argv[1])))
-    Checker(lines).serve()
+    channel = Channel(Connection(int(sys.argv[1])))
+    Checker(channel).serve()
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(0)  # everything has ended in good order; nothing in rclpy's exit may keep the process

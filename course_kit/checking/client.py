@@ -16,7 +16,7 @@ from typing import Any
 from course_kit.colcon import sourcing
 from course_kit.environment.activation import split_paths
 from course_kit.examining import answer_host
-from course_kit.examining.lines import Closed, Lines, Message, TooLong
+from course_kit.examining.channel import Channel, Closed, Message, TooLong
 from course_kit.examining.verdict import NOT_LOOKED_AT, Verdict
 from course_kit.programs.child_process import Process
 
@@ -45,12 +45,12 @@ class CheckerProcess:
             own = sourcing.without(os.environ, *workspaces)
             self.process = Process(command, "checker", own, Path("/"), in_terminal=False, hand_over=[theirs.fileno()])
         self.process.begin()
-        self._lines = Lines(ours)
+        self._channel = Channel(ours)
 
     def ask(self, exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
         """Have an exercise checked. Raises Refused, or Stuck."""
         try:
-            self._lines.send({"check": exercise, "value": value, "folder": os.getcwd()})
+            self._channel.send({"check": exercise, "value": value, "folder": os.getcwd()})
             return self._converse(names)
         except TooLong as error:
             raise Refused(f"the value cannot be checked: {error}") from None
@@ -60,7 +60,7 @@ class CheckerProcess:
     def _converse(self, names: Mapping[str, Any]) -> Verdict:
         deadline = time.monotonic() + START_TIMEOUT
         while (left := deadline - time.monotonic()) > 0:
-            message = self._lines.receive(left)
+            message = self._channel.receive(left)
             if message is None:
                 break
             if "order" in message:
@@ -78,13 +78,13 @@ class CheckerProcess:
     def _obey(self, order: Message, names: Mapping[str, Any]) -> None:
         answer = answer_host.obey(order, names, float(order["timeout"]))
         try:
-            self._lines.send({"answer": order["order"], **answer})
+            self._channel.send({"answer": order["order"], **answer})
         except TooLong as error:
-            self._lines.send({"answer": order["order"], "error": f"what it gave cannot be looked at: {error}"})
+            self._channel.send({"answer": order["order"], "error": f"what it gave cannot be looked at: {error}"})
 
     def close(self, patience: float) -> None:
         """End it: it leaves ROS in good order when the connection closes, and is killed if it does not."""
-        self._lines.close()
+        self._channel.close()
         with contextlib.suppress(TimeoutError):
             self.process.wait(patience)
             return

@@ -8,7 +8,7 @@ from typing import Any
 
 from course_kit import kernel
 from course_kit.checking import client, progress
-from course_kit.examining.lines import as_json
+from course_kit.examining.channel import as_json
 from course_kit.examining.verdict import NOT_BEGUN, Verdict
 
 STRICT = "COURSE_KIT_STRICT"

@@ -15,10 +15,10 @@ from typing import Any
 from course_kit import exercises
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.examining import examination, own_types
+from course_kit.examining.channel import Channel, Closed, Message
 from course_kit.examining.domains import reserve_stage
 from course_kit.examining.examination import WORKSPACE, Ended, Examination, OutOfTime
 from course_kit.examining.exercise import Exercise
-from course_kit.examining.lines import Closed, Lines, Message
 from course_kit.examining.station import Heard, Station
 from course_kit.examining.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 
@@ -30,8 +30,8 @@ END_TIMEOUT = 3.0  # seconds for leaving both domains in good order
 class Checker:
     """The checker of one notebook."""
 
-    def __init__(self, lines: Lines) -> None:
-        self._lines = lines
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
         self._requests: queue.Queue[Message | None] = queue.Queue()
         self._answers: queue.Queue[Message] = queue.Queue()
         self._numbers = itertools.count(1)
@@ -44,7 +44,7 @@ class Checker:
         """Receive in a thread of its own, so that the notebook's end is seen whatever a check does."""
         with contextlib.suppress(Closed):
             while True:
-                message = self._lines.receive()
+                message = self._channel.receive()
                 if message is not None:
                     (self._answers if "answer" in message else self._requests).put(message)
         ExitTimer(END_TIMEOUT, status=1)  # in case something hangs
@@ -54,7 +54,7 @@ class Checker:
         """Answer requests until there are no more."""
         while (request := self._requests.get()) is not None:
             try:
-                self._lines.send(self._answer_to(request))
+                self._channel.send(self._answer_to(request))
             except Closed:
                 break
         self.stage.close()
@@ -67,7 +67,7 @@ class Checker:
             return {"refused": str(error)}
         if request.get("value") is not None and not exercise.value:
             return {"refused": f'{exercise.name} takes no value: check("{exercise.name}")'}
-        self._lines.send({"begun": exercise.timeout})
+        self._channel.send({"begun": exercise.timeout})
         return {"verdict": asdict(self.examine(exercise, request.get("value"), str(request["folder"])))}
 
     def examine(self, exercise: Exercise, value: Any, folder: str) -> Verdict:
@@ -134,10 +134,10 @@ class Checker:
             is_ready = own_types.is_ready(package)
             if not is_ready:
                 says = f"The checker compiles {package} for itself. It does so once, in about ten seconds."
-                self._lines.send({"begun": own_types.COMPILE_TIMEOUT, "says": says})
+                self._channel.send({"begun": own_types.COMPILE_TIMEOUT, "says": says})
             own_types.provide(package)
             if not is_ready:
-                self._lines.send({"begun": running.exercise.timeout})
+                self._channel.send({"begun": running.exercise.timeout})
                 running.begin_again()
 
     def _watch(self, chapter: str) -> None:
@@ -152,7 +152,7 @@ class Checker:
     def _order(self, order: Message, timeout: float) -> dict[str, Any]:
         """Have the notebook do something. Raises Closed if it has gone."""
         number = next(self._numbers)
-        self._lines.send({"order": number, "timeout": timeout, **order})
+        self._channel.send({"order": number, "timeout": timeout, **order})
         deadline = time.monotonic() + timeout + 1.0  # the notebook answers in time even if what it runs does not
         while (left := deadline - time.monotonic()) > 0:
             with contextlib.suppress(queue.Empty):

@@ -18,7 +18,7 @@ from rclpy.context import Context
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 
-from course_kit.examining.lines import as_json
+from course_kit.examining.channel import as_json
 from course_kit.internals import going_on_without
 from course_kit.internals.rclpy_parts import pending_requests
 from course_kit.spinning import NodeStopped

@@ -79,7 +79,14 @@ def show_graph(
 
     Takes what plot_graph() takes. The stop button ends it, and so does showing the same again. Stands for rqt_graph.
     """
-    wanted = dict(locals())  # what look() takes
+    wanted = {
+        "node": node,
+        "namespace": namespace,
+        "hidden": hidden,
+        "services": services,
+        "actions": actions,
+        "parameters": parameters,
+    }
     stop_all(lambda other: isinstance(other, GraphView) and str(other.wanted) == str(wanted))
     # Asked for once: it would start ROS again, in the view's thread, where a student has shut it down.
     watching = observer()

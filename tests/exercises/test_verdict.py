@@ -18,9 +18,9 @@ import pytest
 from course_kit import course_command, exercises
 from course_kit.checking import progress
 from course_kit.examining import paths
+from course_kit.examining.channel import LONGEST, Channel, Closed, TooLong, as_json
 from course_kit.examining.examination import beside_the_notebook
 from course_kit.examining.exercise import LEVELS
-from course_kit.examining.lines import LONGEST, Closed, Lines, TooLong, as_json
 from course_kit.examining.verdict import NOT_BEGUN, Finding, Verdict, in_code
 
 Pose = namedtuple("Pose", "x y theta")
@@ -77,9 +77,9 @@ def test_a_value_that_is_none_of_these_is_refused():
         as_json([object()])
 
 
-def test_lines_carry_messages_and_notice_the_end():
+def test_a_channel_carries_messages_and_notice_the_end():
     ours, theirs = Pipe()
-    one, other = Lines(ours), Lines(theirs)
+    one, other = Channel(ours), Channel(theirs)
     one.send({"a": 1})
     one.send({"b": "ü\n"})
     assert other.receive(1) == {"a": 1} and other.receive(1) == {"b": "ü\n"}
@@ -101,15 +101,15 @@ def test_messages_come_also_where_a_thousand_files_are_open():
             pass
         ours, theirs = map(opened.enter_context, Pipe())
         assert theirs.fileno() > 1023
-        Lines(ours).send({"a": 1})
-        other = Lines(theirs)
+        Channel(ours).send({"a": 1})
+        other = Channel(theirs)
         assert other.receive(10) == {"a": 1} and other.receive(0.01) is None
 
 
 def test_what_is_too_long_is_not_sent_and_what_may_be_sent_is_received():
     ours, theirs = Pipe()
     with ours, theirs:
-        one, other = Lines(ours), Lines(theirs)
+        one, other = Channel(ours), Channel(theirs)
         with pytest.raises(TooLong, match=r"it is 10 MB long as text, and a check takes 10 MB at most"):
             one.send({"value": "x" * LONGEST})
         longest = {"value": "x" * (LONGEST - len('{"value": ""}\n'))}

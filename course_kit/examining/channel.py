@@ -1,4 +1,4 @@
-"""JSON lines over a connection, both ways: what the notebook and the checker say to each other. Pure: no ROS."""
+"""JSON messages over a connection, both ways: what the notebook and the checker say to each other. Pure: no ROS."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 Message = dict[str, Any]
-LONGEST = 10_000_000  # bytes of one line: a student's value, however big, must not fill the memory
+LONGEST = 10_000_000  # bytes of one message: a student's value, however big, must not fill the memory
 
 
 class Closed(Exception):  # noqa: N818  (reads as what happened)
@@ -20,8 +20,8 @@ class TooLong(ValueError):  # noqa: N818
     """A message is longer than the other side would take."""
 
 
-class Lines:
-    """One end. Any thread sends, one thread receives."""
+class Channel:
+    """One end of the connection. Any thread sends, one thread receives."""
 
     def __init__(self, end: Connection) -> None:
         self._end = end
@@ -29,14 +29,14 @@ class Lines:
 
     def send(self, message: Message) -> None:
         """Send one message. Raises Closed if nobody is there to receive it, TooLong for what nobody would take."""
-        line = json.dumps(message).encode()
-        if len(line) > LONGEST:
+        data = json.dumps(message).encode()
+        if len(data) > LONGEST:
             raise TooLong(
-                f"it is {len(line) / 1e6:.0f} MB long as text, and a check takes {LONGEST / 1e6:.0f} MB at most"
+                f"it is {len(data) / 1e6:.0f} MB long as text, and a check takes {LONGEST / 1e6:.0f} MB at most"
             )
         with self._lock:
             try:
-                self._end.send_bytes(line)
+                self._end.send_bytes(data)
             except OSError:
                 raise Closed from None
 
