@@ -31,6 +31,7 @@ def notebook_of() -> Iterator[Callable[[str], Chapter]]:
 
 
 BUILDS = pytest.mark.slow("each answer builds a package")
+FURTHER = pytest.mark.slow("the first wrong answer shows that the check judges")
 
 
 def row(name: str, answers: Answers, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
@@ -50,7 +51,7 @@ def every_answer() -> Iterator[Any]:
         for answers in answers_to(name).ANSWERS:
             for wrong in answers.wrong:
                 values = wrong.source, wrong.points, wrong.hint
-                marks = [BUILDS] if name == "workspace" else []
+                marks = [BUILDS] if name == "workspace" else [FURTHER] if wrong is not answers.wrong[0] else []
                 yield row(name, answers, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
             yield row(name, answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
 

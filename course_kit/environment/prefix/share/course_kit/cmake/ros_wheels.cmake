@@ -32,6 +32,7 @@ function(_course_kit_leave_out_own_runtime)
 endfunction()
 
 if(CMAKE_CURRENT_SOURCE_DIR STREQUAL CMAKE_SOURCE_DIR)
+  list(PREPEND CMAKE_MODULE_PATH "${CMAKE_CURRENT_LIST_DIR}/modules")
   if(COURSE_KIT_COMPILER_IS_WHEEL)
     cmake_language(DEFER CALL _course_kit_leave_out_own_runtime)
   endif()
