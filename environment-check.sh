@@ -265,6 +265,7 @@ given() {
 
 run_tests() {
     local python=$venv/bin/python failed=0 beside=() types
+    unset PYTHONDONTWRITEBYTECODE # hundreds of processes would each compile all that they import
     # Most tests wait for ROS most of the time, so there are more of them at once than there are cores.
     # Their groups begin in the order that tests/conftest.py gives, not by how many tests they have.
     case ${1:-} in

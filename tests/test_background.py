@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import gc
 import subprocess
 import sys
 import time
@@ -117,6 +118,24 @@ def test_the_replaced_node_and_the_new_one_both_reach_rosout():
         talker = run(Talker)
         talker.get_logger().info(text)
         wait_for(lambda text=text: any(line.text == text for line in logs("/talker")), what=f"the line {text!r}")
+
+
+def test_a_child_logger_of_the_new_node_goes_on_when_the_replaced_node_becomes_garbage():
+    class Counter(Node):
+        def __init__(self):
+            super().__init__("counter")
+            self.part = self.get_logger().get_child("part")
+            self.itself = self  # as a callback or an action server does it: only the collector ends it
+
+    gc.disable()
+    try:
+        run(Counter)
+        counter = run(Counter)
+    finally:
+        gc.enable()
+    gc.collect()
+    counter.part.info("still here")
+    wait_for(lambda: any(line.text == "still here" for line in logs(level="INFO")), what="the line of the child logger")
 
 
 def test_the_same_class_runs_once_for_each_set_of_arguments():

@@ -8,13 +8,19 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Empty
 
-from course_kit.ros_graph import discovery
+from course_kit.ros_graph import discovery, graph
+from course_kit.spinning.nodes import destroy
 from tests.benchmark.child import ROOT, Program, environment
 from tests.waiting import wait_until
 
@@ -82,6 +88,28 @@ def test_a_node_that_the_middleware_lists_without_its_participant_is_none(watche
         assert ("watcher", "/") in there.alive(listed)
     finally:
         discovery.forget(watcher)
+
+
+def test_a_node_behind_a_gone_one_of_its_name_has_the_interfaces_that_it_has_alone(watcher, monkeypatch):
+    there, name = discovery.of(watcher), graph.NodeName.of("/both")
+    node = Node("both", context=watcher.context)
+    ends = [node.create_publisher(String, "said", 1), node.create_subscription(String, "heard", print, 1)]
+    ends += [node.create_service(Empty, "offered", print), node.create_client(Empty, "asked")]
+    ends += [ActionServer(node, Fibonacci, "served", print), ActionClient(node, Fibonacci, "used")]
+
+    def seen() -> list[graph.Interfaces]:
+        return [graph.interfaces(watcher, name, with_hidden) for with_hidden in (False, True)]
+
+    try:
+        wait_until(lambda: there.is_whole() and name in graph.nodes(watcher))
+        alone = seen()
+        assert all(getattr(alone[0], field.name) for field in fields(alone[0]))
+        assert alone[0].action_servers == {"/served": ["example_interfaces/action/Fibonacci"]}
+        monkeypatch.setattr(there, "alive", lambda listed: [])  # more of the name are listed than are there
+        assert seen() == alone
+    finally:
+        discovery.forget(watcher)
+        destroy(node)
 
 
 # Other threads look at the graph while nodes end: the views, the timer of a process that stays.

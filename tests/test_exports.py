@@ -43,3 +43,14 @@ def test_importing_a_name_changes_nothing_in_rclpy():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert (done.stdout, done.stderr) == ("[]\n[]\n[]\n[]\n", "")
+
+
+@pytest.mark.parametrize("line", ["node list", "topic list", "action list", "service list"])
+def test_a_command_that_only_looks_loads_no_numpy(line):
+    """Which takes longer than all else that it does."""
+    code = (
+        "import sys\nfrom course_kit.ros2 import command\n"
+        f"command.run({line.split()!r})\nprint('numpy' in sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.stderr.splitlines()[-1] == "False"

@@ -13,6 +13,7 @@ import shlex
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import groupby
+from typing import Any
 
 import psutil  # type: ignore[import-untyped]
 import pytest
@@ -34,6 +35,8 @@ pytestmark = pytest.mark.usefixtures("fresh_domain")
 
 LOOK_TIMEOUT = 30.0  # a look may take 6 s where discovery is slow
 HEALTHY_TIMEOUT = 25.0
+# A name, QoS, discovery, an executor, a program that ends, two nodes of a name, one that is only thought to be there.
+OF_EACH_KIND = {"name", "qos", "domain", "deadlock", "crash", "duplicate", "dead"}
 
 
 @pytest.fixture(scope="module")
@@ -272,7 +275,14 @@ def test_a_check_can_ask_the_same_in_its_vocabulary(station: Station):
         station.tidy()
 
 
-@pytest.mark.parametrize("name", all_faults.FAULTS)
+def every_fault() -> Iterator[Any]:
+    """Their ids; further ones of a kind are slow."""
+    for name in all_faults.FAULTS:
+        slow = [] if name in OF_EACH_KIND else [pytest.mark.slow("the others of its kind are like it")]
+        yield pytest.param(name, marks=slow)
+
+
+@pytest.mark.parametrize("name", every_fault())
 def test_fault(name: str, station: Station):
     fault = all_faults.find(name)
     assert fault.symptom in str(faults.start(name))

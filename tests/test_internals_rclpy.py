@@ -178,6 +178,17 @@ for attempt in range(2):
     ]
 
 
+def test_where_loggers_keep_their_children_otherwise_a_node_ends_all_the_same():
+    lines = said("""
+from rclpy.impl.rcutils_logger import RcutilsLogger
+del RcutilsLogger.__del__
+stop(talk())
+stop(talk())
+""")
+    lost = "action servers of a node that is run again may log to the terminal alone"
+    assert lines == ["talks", f"course_kit: rclpy has no RcutilsLogger.__del__ here: {lost}", "talks"]
+
+
 @pytest.mark.parametrize("name", rclpy_parts.CPP)
 def test_beside_another_cpp_module_topics_are_recorded_through_an_executor(name):
     lines = said(f"""

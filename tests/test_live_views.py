@@ -109,11 +109,17 @@ def test_resources_are_shown(kernel: Kernel) -> None:
 
 
 def test_values_are_drawn_as_they_come_until_the_end(kernel: Kernel) -> None:
-    cell = kernel.run("view = watch_values('/turtle1/pose.x', '/goal.pose.position.x', period=0.2, seconds=3)")
+    cell = kernel.run("view = watch_values('/turtle1/pose.x', '/goal.pose.position.x', period=0.2)")
     kernel.until(lambda: len({data["image/png"] for data in updates(kernel, cell)}) >= 3, 20)
-    kernel.until(lambda: value(kernel, "view.is_running") == "False", 20)
+    kernel.run("view.stop()")
+    assert value(kernel, "view.is_running") == "False"
     count = len(updates(kernel, cell))
     assert value(kernel, "1") == "1" and len(updates(kernel, cell)) == count
+
+
+def test_a_view_ends_by_itself_after_its_seconds(kernel: Kernel) -> None:
+    kernel.run("view = watch_values('/turtle1/pose.x', period=0.2, seconds=1)")
+    kernel.until(lambda: value(kernel, "view.is_running") == "False", 20)
 
 
 def test_the_log_console_filters_by_node_level_and_text(kernel: Kernel) -> None:

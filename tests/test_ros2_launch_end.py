@@ -115,6 +115,7 @@ def test_a_process_that_ignores_that_too_is_killed(prefix: Prefix) -> None:
         assert "exit code -9" in running.lines[-1]
 
 
+@pytest.mark.slow("it waits for fifteen seconds")
 def test_the_real_times_are_five_and_ten_seconds(prefix: Prefix) -> None:
     with launch(prefix, f"python({DEAFER!r})") as running:
         running.wait_for("deaf")

@@ -19,6 +19,8 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 
 from course_kit.background import guards
+from course_kit.internals import going_on_without
+from course_kit.internals.rclpy_parts import end_child_loggers
 from course_kit.node_logs import rosout
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
@@ -194,7 +196,10 @@ def _end(entry: _Running) -> None:
         if _running.get(entry.name) is not entry:
             return
         del _running[entry.name]
+    logger = entry.node.get_logger().name
     entry.spinning.close()
+    with going_on_without("action servers of a node that is run again may log to the terminal alone"):
+        end_child_loggers(logger)
     _tell("stopped", entry.name)
 
 

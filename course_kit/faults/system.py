@@ -16,6 +16,7 @@ from course_kit.faults.fault import HEALTHY, PLANNER, PROGRAMS, Fault, Start
 from course_kit.polling import wait_until
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
+from course_kit.ros_graph import discovery
 from course_kit.watching import instruments
 
 PATIENCE = 1.5  # seconds that a program has to end, after SIGINT and again after SIGTERM
@@ -70,9 +71,10 @@ class System:
             self._kill(fault.killed)
 
     def _kill(self, program: str) -> None:
-        """Kill a program, once this process knows its node: it could not remember it otherwise."""
+        """Kill a program, once this process would list its node: it could not remember it otherwise."""
         node, process = instruments.node(), self._started[program][1]
-        wait_until(lambda: program in node.get_node_names(), READY_TIMEOUT)
+        known = discovery.of(node, keep=True)
+        wait_until(lambda: (program, "/") in known.alive(node.get_node_names_and_namespaces()), READY_TIMEOUT)
         process.send_signal(signal.SIGKILL)
         wait_until(lambda: not process.is_running, READY_TIMEOUT)
         self._killed_at = time.monotonic()

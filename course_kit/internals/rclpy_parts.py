@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import gc
 import inspect
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -20,6 +21,7 @@ from rclpy.event_handler import QoSSubscriptionEventType, SubscriptionEventCallb
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.guard_condition import GuardCondition
+from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
@@ -61,7 +63,18 @@ def replace(owner: Any, name: str, guard_of: Callable[[Any], Callable[..., Any]]
     setattr(owner, name, guard)
 
 
-# What its clients and executors keep to themselves.
+# What its loggers, clients and executors keep to themselves.
+
+
+def end_child_loggers(name: str) -> None:
+    """Take the child loggers of a node's logger off /rosout, as the node ends.
+
+    rclpy does so when they become garbage, which may be later: to those of a new node of the same name.
+    """
+    expect("rclpy", RcutilsLogger(), "logger_sublogger_namepair", "__del__")
+    for one in gc.get_objects():
+        if type(one) is RcutilsLogger and (one.logger_sublogger_namepair or ("",))[0] == name:
+            one.__del__()  # which does nothing the second time
 
 
 def pending_requests(client: Client) -> list[Future]:

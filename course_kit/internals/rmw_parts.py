@@ -29,6 +29,11 @@ ROOM = 1024  # bytes of a message, to begin with
 SPARE = c_uint8 * 256  # were a structure larger than it stands here, this much of it would still be ours
 
 
+def request_topic(service: str) -> str:
+    """The topic below ROS's names that carries the requests to a service."""
+    return f"rq{service}Request"
+
+
 class _Time(ctypes.Structure):
     _fields_ = (("sec", c_uint64), ("nsec", c_uint64))
 

@@ -8,17 +8,18 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import rclpy.action
 from rclpy.duration import Duration
 from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from course_kit.internals.rmw_parts import request_topic
 from course_kit.ros_graph import discovery, graph_data
 from course_kit.ros_graph.graph_data import EVERYWHERE, Channel, Endpoint, GraphNode, Qos, Snapshot
 from course_kit.watching.topics import publishers, subscriptions
 
 NamesAndTypes = dict[str, list[str]]
+FEEDBACK, FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"  # of an action's topic, by which it is known
 
 
 @dataclass(frozen=True, order=True)
@@ -73,7 +74,7 @@ def services(node: Node, with_hidden: bool = False) -> NamesAndTypes:
 
 def actions(node: Node) -> NamesAndTypes:
     """{action: types}, sorted."""
-    return _visible(rclpy.action.get_action_names_and_types(node), True)
+    return _actions(topics(node, with_hidden=True))
 
 
 @dataclass(frozen=True)
@@ -91,13 +92,43 @@ class Interfaces:
 def interfaces(node: Node, of: NodeName, with_hidden: bool = False) -> Interfaces:
     """The interfaces of the node named `of`. Raises rclpy's NodeNameNonExistentError if it has gone."""
     who = of.name, of.namespace
-    return Interfaces(
-        subscribers=_visible(node.get_subscriber_names_and_types_by_node(*who), with_hidden),
-        publishers=_visible(node.get_publisher_names_and_types_by_node(*who), with_hidden),
-        service_servers=_visible(node.get_service_names_and_types_by_node(*who), with_hidden),
-        service_clients=_visible(node.get_client_names_and_types_by_node(*who), with_hidden),
-        action_servers=_visible(rclpy.action.get_action_server_names_and_types_by_node(node, *who), with_hidden),
-        action_clients=_visible(rclpy.action.get_action_client_names_and_types_by_node(node, *who), with_hidden),
+    listed = node.get_node_names_and_namespaces()
+    if listed.count(who) > discovery.of(node).alive(listed).count(who):
+        ends = _by_endpoints(node, who)
+    else:
+        ends = (
+            node.get_subscriber_names_and_types_by_node(*who),
+            node.get_publisher_names_and_types_by_node(*who),
+            node.get_service_names_and_types_by_node(*who),
+            node.get_client_names_and_types_by_node(*who),
+        )
+    subscribers, publishers, servers, clients = (_visible(pairs, with_hidden=True) for pairs in ends)
+    six = subscribers, publishers, servers, clients, _actions(publishers), _actions(subscribers)
+    return Interfaces(*(_visible(pairs.items(), with_hidden) for pairs in six))
+
+
+def _actions(topics: NamesAndTypes) -> NamesAndTypes:
+    """The actions whose feedback is among a node's topics: what it publishes it serves, what it hears it uses."""
+    return {
+        name.removesuffix(FEEDBACK): [one.removesuffix(FEEDBACK_TYPE) for one in types]
+        for name, types in topics.items()
+        if name.endswith(FEEDBACK)
+    }
+
+
+def _by_endpoints(node: Node, who: tuple[str, str]) -> tuple[Iterable[tuple[str, list[str]]], ...]:
+    """The same four, from the endpoints of every topic: by name the middleware finds a node first that has gone."""
+
+    def types(infos: Iterable[TopicEndpointInfo]) -> list[str]:
+        return sorted({info.topic_type for info in infos if (info.node_name, info.node_namespace) == who})
+
+    names = [name for name, _ in node.get_topic_names_and_types()]
+    calls = [(name, kinds, request_topic(name)) for name, kinds in node.get_service_names_and_types()]
+    return (
+        [(name, found) for name in names if (found := types(subscriptions(node, name)))],
+        [(name, found) for name in names if (found := types(publishers(node, name)))],
+        [(name, kinds) for name, kinds, asked in calls if types(node.get_subscriptions_info_by_topic(asked, True))],
+        [(name, kinds) for name, kinds, asked in calls if types(node.get_publishers_info_by_topic(asked, True))],
     )
 
 

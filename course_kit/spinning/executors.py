@@ -10,14 +10,13 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import Executor, ExternalShutdownException, ShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
 from course_kit.internals.rclpy_parts import fast_executor, is_fast, spin_some
 from course_kit.spinning import BlockingWait, NodeStopped
-from course_kit.spinning.nodes import destroy
+from course_kit.spinning.nodes import actions_of, destroy
 
 
 def executor_for(node: Node) -> Executor:
@@ -36,7 +35,7 @@ def executor_for(node: Node) -> Executor:
 
 def needs_usual_executor(node: Node) -> bool:
     """Whether a node has something that the EventsExecutor does not do as the others."""
-    if any(isinstance(waitable, ActionClient | ActionServer) for waitable in node.waitables):
+    if actions_of(node):
         return True
     entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
     return any(inspect.iscoroutinefunction(entity.callback) for entity in entities) or _takes_info(node)
