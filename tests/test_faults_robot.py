@@ -18,11 +18,12 @@ from typing import Any
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from course_kit import faults, start
+from course_kit import faults, polling, start
 from course_kit.examining.examination import Ended, Examination, begin, current
 from course_kit.examining.station import Station
 from course_kit.exercises import find
 from course_kit.faults import all_faults, health, lab
+from course_kit.faults.fault import PROGRAMS
 from course_kit.faults.vocabulary import expect_well
 from course_kit.ros2 import command
 from course_kit.spinning import context
@@ -65,7 +66,14 @@ def says(line: str) -> str:
 
 def shows(line: str, *texts: str) -> None:
     """A command line prints these texts; a moment later at most."""
-    wait_until(lambda: all(text in says(line) for text in texts), f"{texts} of {line}", LOOK_TIMEOUT)
+    said = ""
+
+    def is_shown() -> bool:
+        nonlocal said
+        said = says(line)
+        return all(text in said for text in texts)
+
+    assert polling.wait_until(is_shown, LOOK_TIMEOUT), f"not all of {texts} in what {line} prints:\n{said}"
 
 
 def lacks(line: str, text: str) -> None:
@@ -223,7 +231,8 @@ def type_cell(cell: str) -> None:
 def is_well() -> bool:
     """Whether the robot is well, or becomes so, as a student asks."""
     told = faults.is_repaired(HEALTHY_TIMEOUT)
-    assert told, told
+    running = [faults.process(one) for one in PROGRAMS]
+    assert told, "\n".join([str(told), *(f"{one}: {one.lines[-5:]}" for one in running)])
     return True
 
 
