@@ -16,40 +16,46 @@ IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 GROUPS = "COURSE_KIT_TEST_GROUPS"  # those that are run, if not all
 # Seconds that groups of tests take on 2 cores, beside each other; others take SHORT ones.
 SECONDS = {
-    "bare trixie": 280,
-    "bare noble": 280,
-    "bare bookworm": 260,
-    "test_faults_robot": 260,
-    "exercises of workspace-5": 260,
-    "06_debugging": 250,
-    "02_workspace": 240,
-    "exercises of actions": 200,
+    "bare noble": 235,
+    "bare bookworm": 235,
+    "bare trixie": 230,
+    "06_debugging": 220,
+    "exercises of workspace-5": 219,
+    "exercises of actions": 201,
+    "test_faults_robot": 188,
     "exercises of debugging": 180,
-    "exercises of workspace": 180,
-    "05_actions": 165,
-    "test_environment_setup": 120,
-    "03_topics": 115,
-    "04_services": 95,
-    "exercises of topics": 95,
-    "exercises of workspace-4": 75,
-    "test_workspaces": 72,
-    "test_checker": 66,
-    "exercises of services": 66,
-    "test_ros2_bag": 54,
-    "01_setup_checks": 40,
-    "test_ros2_echo_pub": 38,
-    "test_kernel": 32,
-    "test_turtlesim_node": 30,
-    "test_processes": 28,
-    "test_ros2_launch_end": 28,
-    "test_ros2_calls": 27,
-    "test_environment_apt": 25,
-    "test_exit_timer": 25,
-    "test_graph_plots": 25,
-    "exercises of setup": 25,
-    "test_discovery": 22,
+    "02_workspace": 146,
+    "exercises of workspace": 118,
+    "05_actions": 116,
+    "03_topics": 104,
+    "exercises of topics": 102,
+    "test_environment_setup": 101,
+    "test_workspaces": 96,
+    "exercises of workspace-4": 91,
+    "04_services": 87,
+    "exercises of services": 76,
+    "test_turtlesim_node": 65,
+    "test_checker": 60,
+    "test_ros2_echo_pub": 50,
+    "test_ros2_bag": 39,
+    "test_ros2_launch_end": 34,
+    "exercises of setup": 32,
+    "test_ros2_calls": 32,
+    "test_environment_failures": 31,
+    "test_graph_plots": 30,
+    "01_setup_checks": 30,
+    "test_kernel": 27,
+    "test_discovery": 25,
+    "test_internals_rclpy": 25,
+    "test_ros2_transcripts": 24,
+    "test_processes": 24,
+    "test_ros2_graph": 23,
     "test_recording": 22,
-    "test_browser": 20,
+    "test_exit_timer": 22,
+    "test_bags": 22,
+    "test_environment_apt": 21,
+    "test_ros2_children": 18,
+    "test_browser": 18,
 }
 SHORT = 8
 CHANGED_LIMIT = 110  # of the two minutes that --changed may take, without the start
@@ -73,8 +79,8 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("changed") and not IS_WORKER:
         from tests.changed import nearest
 
-        limit = CHANGED_LIMIT * (config.getoption("numprocesses", None) or 1)
-        chosen, left = nearest(lambda group: SECONDS.get(group, SHORT), limit)
+        beside = config.getoption("numprocesses", None) or 1
+        chosen, left = nearest(lambda group: SECONDS.get(group, SHORT), CHANGED_LIMIT, beside)
         if not chosen:
             pytest.exit("Nothing has changed that a test depends on.", returncode=0)
         os.environ[GROUPS] = json.dumps(chosen)
