@@ -89,11 +89,15 @@ class Interfaces:
     action_clients: NamesAndTypes
 
 
-def interfaces(node: Node, of: NodeName, with_hidden: bool = False) -> Interfaces:
-    """The interfaces of the node named `of`. Raises rclpy's NodeNameNonExistentError if it has gone."""
+def interfaces(
+    node: Node, of: NodeName, with_hidden: bool = False, kept: set[tuple[str, str]] | None = None
+) -> Interfaces:
+    """The interfaces of the node named `of`. Raises rclpy's NodeNameNonExistentError if it has gone.
+
+    `kept` is what _kept_names() gives, for who asks about many nodes.
+    """
     who = of.name, of.namespace
-    listed = node.get_node_names_and_namespaces()
-    if listed.count(who) > discovery.of(node).alive(listed).count(who):
+    if who in (_kept_names(node) if kept is None else kept):
         ends = _by_endpoints(node, who)
     else:
         ends = (
@@ -102,9 +106,15 @@ def interfaces(node: Node, of: NodeName, with_hidden: bool = False) -> Interface
             node.get_service_names_and_types_by_node(*who),
             node.get_client_names_and_types_by_node(*who),
         )
-    subscribers, publishers, servers, clients = (_visible(pairs, with_hidden=True) for pairs in ends)
+    subscribers, publishers, servers, clients = (dict(pairs) for pairs in ends)
     six = subscribers, publishers, servers, clients, _actions(publishers), _actions(subscribers)
     return Interfaces(*(_visible(pairs.items(), with_hidden) for pairs in six))
+
+
+def _kept_names(node: Node) -> set[tuple[str, str]]:
+    """The names, with namespace, under which the middleware has kept a node that has gone."""
+    listed = node.get_node_names_and_namespaces()
+    return set(Counter(listed) - Counter(discovery.of(node).alive(listed)))
 
 
 def _actions(topics: NamesAndTypes) -> NamesAndTypes:
@@ -134,7 +144,8 @@ def _by_endpoints(node: Node, who: tuple[str, str]) -> tuple[Iterable[tuple[str,
 
 def action_clients_and_servers(node: Node, action: str) -> tuple[list[tuple[str, list[str]]], ...]:
     """The nodes that use an action and those that offer it, each as (full name, types), sorted."""
-    found = [(name.full_name, interfaces(node, name, with_hidden=True)) for name in nodes(node, with_hidden=True)]
+    there, kept = nodes(node, with_hidden=True), _kept_names(node)
+    found = [(name.full_name, interfaces(node, name, True, kept)) for name in there]
     clients = [(name, one.action_clients[action]) for name, one in found if action in one.action_clients]
     return clients, [(name, one.action_servers[action]) for name, one in found if action in one.action_servers]
 
@@ -194,9 +205,10 @@ def _calls(node: Node, there: set[NodeName], hidden: bool, services: bool, actio
                 ends = found.setdefault((kind, name), ([], []))
                 ends[side].extend(Endpoint(owner.full_name, type_name) for type_name in types)
 
+    kept = _kept_names(node)
     for owner in sorted(there):
         try:
-            offered = interfaces(node, owner, hidden)
+            offered = interfaces(node, owner, hidden, kept)
         except NodeNameNonExistentError:  # it ended meanwhile
             continue
         if services:
