@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import functools
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -26,7 +27,7 @@ from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 from course_kit.spinning import context, errors
 from course_kit.spinning.executors import SpinThread
-from course_kit.spinning.nodes import construct, with_base
+from course_kit.spinning.nodes import construct, made_by
 
 NodeType = TypeVar("NodeType", bound=Node)
 # Python lets a busy cell keep the interpreter for 5 ms before a callback gets its turn; a tenth of that halves the
@@ -117,19 +118,18 @@ def _recipe(node: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[s
     return (name, repr(args), repr(sorted(kwargs.items())))
 
 
-class _Replacing(Node):
-    """Stands between a student's class and Node: destroys an earlier node of the name before the new one exists.
+def _make(of: type[Node], node: Node, plain: Callable[..., None], node_name: str, options: dict[str, Any]) -> None:
+    """Make a node once an earlier one of its name is destroyed: else rcl would refuse it a /rosout publisher.
 
-    Were the new one constructed first, rcl would refuse it a /rosout publisher and its log lines would be lost.
+    What a class makes beside its own node is made as it says.
     """
-
-    def __init__(self, node_name: str, *args: Any, **kwargs: Any) -> None:
-        namespace = (kwargs.get("namespace") or "").strip("/")
+    if type(node) is of:
+        namespace = (options.get("namespace") or "").strip("/")
         name = "/" + "/".join(part for part in (namespace, node_name) if part)
         _replace(name)
         _constructing.name = name
         _announce(name)
-        super().__init__(node_name, *args, **kwargs)
+    plain(node, node_name, **options)
 
 
 def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> Node:
@@ -139,7 +139,8 @@ def _construct(node: Callable[..., Node], args: tuple[Any, ...], kwargs: dict[st
             raise TypeError(f"run() got a callable that returned {type(made).__name__}, not a node")
         return made
     try:
-        return construct(with_base(node, _Replacing), args, kwargs)
+        with made_by(functools.partial(_make, node)):
+            return construct(node, args, kwargs)
     except BaseException:
         if _constructing.name:  # it was announced
             _tell("failed", _constructing.name)

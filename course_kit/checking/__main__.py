@@ -1,4 +1,7 @@
-"""The checker's process: `python -m course_kit.checking FILE_DESCRIPTOR` serves on that one until it is closed."""
+"""The checker's process: `python -I -m course_kit.checking FILE_DESCRIPTOR [FOLDER…]` serves until that one is closed.
+
+The folders have modules of a sourced ROS 2.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from multiprocessing.connection import Connection
 
 def main() -> None:
     """Serve. An interrupt is meant for the notebook's cell, not for this process."""
+    sys.path += sys.argv[2:]
     signal.signal(signal.SIGINT, lambda *_: None)  # not SIG_IGN, which the programs that a check starts would inherit
     from course_kit.checking.server import Checker
     from course_kit.examining.channel import Channel

@@ -13,8 +13,9 @@ from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
 
-from course_kit.colcon import sourcing
-from course_kit.environment.activation import split_paths
+import rclpy
+
+from course_kit.checking import surroundings
 from course_kit.examining import answer_host
 from course_kit.examining.channel import Channel, Closed, Message, TooLong
 from course_kit.examining.verdict import NOT_LOOKED_AT, Verdict
@@ -35,22 +36,24 @@ class Stuck(RuntimeError):  # noqa: N818
 class CheckerProcess:
     """The checker's process."""
 
-    def __init__(self) -> None:
+    def __init__(self, domain: int | None) -> None:
+        """`domain`: the one in which the notebook's nodes are."""
+        self.domain = domain
         ours, theirs = Pipe()
         with theirs:
-            command = [sys.executable, "-m", "course_kit.checking", str(theirs.fileno())]
-            # Nothing of a student's is loaded there: it is without the workspaces that the notebook uses, and in the
-            # root folder, where no file of theirs can be taken for a module.
-            workspaces = map(Path, split_paths(os.environ.get("COLCON_PREFIX_PATH", "")))
-            own = sourcing.without(os.environ, *workspaces)
-            self.process = Process(command, "checker", own, Path("/"), in_terminal=False, hand_over=[theirs.fileno()])
+            # Isolated, with an environment of its own and in the root folder: nothing of a student's is loaded there.
+            environment, paths = surroundings.of_checker(surroundings.at_start(), domain)
+            command = [sys.executable, "-I", "-m", "course_kit.checking", str(theirs.fileno()), *paths]
+            self.process = Process(
+                command, "checker", environment, Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
+            )
         self.process.begin()
         self._channel = Channel(ours)
 
-    def ask(self, exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
+    def ask(self, exercise: str, value: Any, names: Mapping[str, Any], seed: int | None) -> Verdict:
         """Have an exercise checked. Raises Refused, or Stuck."""
         try:
-            self._channel.send({"check": exercise, "value": value, "folder": os.getcwd()})
+            self._channel.send({"check": exercise, "value": value, "folder": os.getcwd(), "seed": seed})
             return self._converse(names)
         except TooLong as error:
             raise Refused(f"the value cannot be checked: {error}") from None
@@ -95,16 +98,17 @@ _checker: CheckerProcess | None = None
 _lock = threading.Lock()
 
 
-def ask(exercise: str, value: Any, names: Mapping[str, Any]) -> Verdict:
+def ask(exercise: str, value: Any, names: Mapping[str, Any], seed: int | None = None) -> Verdict:
     """Have an exercise checked by the checker of this process, which is started if there is none that answers.
 
-    `names` are the notebook's variables. Raises Refused for a question that makes no sense.
+    `names` are the notebook's variables, `seed` is that of a verdict to be repeated.
+    Raises Refused for a question that makes no sense.
     """
     with _lock:
         reason = ""
         for _ in range(2):
             try:
-                return _running().ask(exercise, value, names)
+                return _running().ask(exercise, value, names, seed)
             except Stuck as stuck:
                 reason = str(stuck)
                 _replace()
@@ -123,10 +127,11 @@ def pid() -> int | None:
 
 def _running() -> CheckerProcess:
     global _checker
-    if _checker is not None and not _checker.process.is_running:
+    domain = rclpy.get_default_context().get_domain_id() if rclpy.ok() else None
+    if _checker is not None and (not _checker.process.is_running or domain not in (None, _checker.domain)):
         _replace()
     if _checker is None:
-        _checker = CheckerProcess()
+        _checker = CheckerProcess(domain)
         atexit.unregister(close)
         atexit.register(close)
     return _checker

@@ -14,14 +14,16 @@ from course_kit.examining.verdict import NOT_BEGUN, Verdict
 STRICT = "COURSE_KIT_STRICT"
 
 
-def check(exercise: str, value: Any = None) -> None:
+def check(exercise: str, value: Any = None, seed: int | None = None) -> None:
     """Check your answer to an exercise, such as `check("topics-1")`, and show what was found.
 
     `value` is your answer where the exercise asks for a value. Nothing of yours is changed: nodes that run go on.
+    A check draws the numbers, orders and moments that it tries; `seed`, as a verdict has it, has it draw the same
+    again. The points of such a repetition are not kept.
     With COURSE_KIT_STRICT=1 in the environment, an answer that is begun and not all right raises AssertionError.
     """
     try:
-        verdict = client.ask(exercise, as_json(value), _names())
+        verdict = client.ask(exercise, as_json(value), _names(), seed)
     except Exception as error:  # a check never breaks a student's notebook
         is_refused = isinstance(error, client.Refused | TypeError)
         print(f"check: {error}" if is_refused else f"check: {exercise} could not be checked: {error}")
@@ -29,7 +31,7 @@ def check(exercise: str, value: Any = None) -> None:
         return
     _show(verdict)
     try:
-        if notice := progress.record(verdict):
+        if seed is None and (notice := progress.record(verdict)):
             print(f"check: {notice}")
     except OSError as error:
         print(f"check: your points could not be kept: {error}")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import itertools
 import queue
+import secrets
+import signal
 import threading
 import time
 import traceback
@@ -25,6 +27,8 @@ from course_kit.examining.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Fi
 DISCOVERY_TIMEOUT = 3.0
 LOG_TOPIC = "/rosout"
 END_TIMEOUT = 3.0  # seconds for leaving both domains in good order
+WATCHDOG = 1.0  # seconds after an exercise's time at which even a read that blocks is ended
+SEEDS = 1_000_000
 
 
 class Checker:
@@ -68,13 +72,16 @@ class Checker:
         if request.get("value") is not None and not exercise.value:
             return {"refused": f'{exercise.name} takes no value: check("{exercise.name}")'}
         self._channel.send({"begun": exercise.timeout})
-        return {"verdict": asdict(self.examine(exercise, request.get("value"), str(request["folder"])))}
+        seed = request.get("seed")
+        seed = secrets.randbelow(SEEDS) if seed is None else int(seed)
+        return {"verdict": asdict(self.examine(exercise, request.get("value"), str(request["folder"]), seed))}
 
-    def examine(self, exercise: Exercise, value: Any, folder: str) -> Verdict:
-        """Check one exercise; `folder` is the notebook's."""
-        running = Examination(exercise, self.stage, self.student, self._watched, self._order, Path(folder))
-        state, note = LOOKED_AT, ""
+    def examine(self, exercise: Exercise, value: Any, folder: str, seed: int) -> Verdict:
+        """Check one exercise; `folder` is the notebook's, `seed` that of all that is drawn."""
+        running = Examination(exercise, self.stage, self.student, self._watched, self._order, Path(folder), seed)
+        state, note, drawn = LOOKED_AT, "", running.random.getstate()
         examination.begin(running)
+        _watch_over(exercise.timeout + WATCHDOG)
         try:
             self._watch(exercise.chapter)
             if self._is_begun(running, value):
@@ -97,10 +104,13 @@ class Checker:
             note = f"The check itself failed, which is a mistake of the course: {error!r}"
             traceback.print_exc()
         finally:
+            _watch_over(0.0)
             examination.begin(None)
             self._tidy(running)
         findings = tuple(running.findings) if state == LOOKED_AT else ()
-        return Verdict(exercise.name, exercise.title, exercise.points, state, findings, note)
+        has_drawn = state == LOOKED_AT and running.random.getstate() != drawn
+        shown = seed if has_drawn else None
+        return Verdict(exercise.name, exercise.title, exercise.points, state, findings, note, shown)
 
     def _tidy(self, running: Examination) -> None:
         with contextlib.suppress(Exception):
@@ -135,10 +145,12 @@ class Checker:
             if not is_ready:
                 says = f"The checker compiles {package} for itself. It does so once, in about ten seconds."
                 self._channel.send({"begun": own_types.COMPILE_TIMEOUT, "says": says})
+                _watch_over(own_types.COMPILE_TIMEOUT)
             own_types.provide(package)
             if not is_ready:
                 self._channel.send({"begun": running.exercise.timeout})
                 running.begin_again()
+                _watch_over(running.exercise.timeout + WATCHDOG)
 
     def _watch(self, chapter: str) -> None:
         """Listen to what the chapter's exercises watch, from now on."""
@@ -160,6 +172,16 @@ class Checker:
                 if answer["answer"] == number:
                     return answer
         return {"error": "it did not return in time"}
+
+
+def _watch_over(seconds: float) -> None:
+    """Raise OutOfTime in this thread, the main one, after so long, whatever it waits for; 0: no longer."""
+
+    def end(*_: Any) -> None:
+        raise OutOfTime
+
+    signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, seconds, 1.0)
 
 
 def _says_something(value: Any) -> bool:

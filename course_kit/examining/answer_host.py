@@ -10,21 +10,23 @@ import atexit
 import contextlib
 import threading
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
 from rclpy.context import Context
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
+from rclpy.utilities import get_default_context
 
 from course_kit.examining.channel import as_json
 from course_kit.internals import going_on_without
-from course_kit.internals.rclpy_parts import pending_requests
+from course_kit.internals.rclpy_parts import blocks, choose_default_context, pending_requests
 from course_kit.spinning import NodeStopped
 from course_kit.spinning import context as ros_context
-from course_kit.spinning.executors import SpinThread, interrupt
-from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, construct, quiet_node, with_base
+from course_kit.spinning.executors import SpinThread, interrupt, spinning_now
+from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, actions_of, construct, destroy, made_by, quiet_node
 
 STOP_TIMEOUT = 0.5
 INTERRUPT_TIMEOUT = 0.5
@@ -34,44 +36,64 @@ PACKAGE = Path(__file__).parents[1]
 THREADS = 4  # of a MultiThreadedExecutor, where an exercise asks for one
 
 
-class _OnStage(Node):
-    """Stands between a student's class and Node: puts the node on the stage.
-
-    It has no /rosout: rcl keeps one publisher for each name in a process, and that is the one of the node of the
-    same name that the student may have running.
-    """
-
-    _course_kit_context: Context
-
-    def __init__(self, node_name: str, **kwargs: Any) -> None:
-        options = {**kwargs, "context": self._course_kit_context, "enable_rosout": False}
-        options["parameter_overrides"] = [*(kwargs.get("parameter_overrides") or []), *WITHOUT_DESCRIPTIONS]
-        super().__init__(node_name, **options)
+# What rclpy takes for the default context in threads of the stage: an answer may make executors, clocks and nodes.
+_default: ContextVar[Context | None] = ContextVar("stage", default=None)
 
 
 class AnswerHost:
-    """A context in a domain of its own, with at most one student's node."""
+    """A context in a domain of its own, with at most one answer: a student's node, and what that makes beside it."""
 
     def __init__(self, domain: int) -> None:
         self.domain = domain
         ros_context.start()  # the first context of a process sets its logging up
         self._context = ros_context.separate(domain, "LOCALHOST")
-        # Keeps the participant alive between checks, so that discovery need not begin again.
-        self._keeper = quiet_node("_stage", self._context)
+        # For an answer it is the domain in which it runs elsewhere.
+        self._context.get_domain_id = get_default_context().get_domain_id  # type: ignore[method-assign]
+        with going_on_without("what an answer makes beside its node is in the notebook's domain"):
+            choose_default_context(_default.get)
+        # Keeps the participant alive between checks, so that discovery need not begin again. Its name is what the
+        # checker knows the participant by.
+        self._keeper: Node | None = None
         self._spinning: SpinThread | None = None
+        self._made: list[Node] = []
         self.errors: list[str] = []  # what the callbacks of the node raised
 
-    def start(self, node_class: type[Node], arguments: list[Any], threads: bool) -> None:
-        """Make a node of the class and spin it; whatever its constructor raises is raised."""
+    def start(self, node_class: type[Node], token: str = "", threads: bool | None = False) -> None:
+        """Make a node of the class and spin it; whatever its constructor raises is raised.
+
+        `threads`: whether with a MultiThreadedExecutor; None: if an action of the node blocks a thread.
+        """
         self.stop()
-        node = construct(with_base(node_class, _OnStage, _course_kit_context=self._context), arguments, {})
-        if node.context is not self._context:
-            node.destroy_node()
-            raise TypeError(f'{node_class.__name__}.__init__ must begin with super().__init__("name of the node")')
-        executor = MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else None
-        name = node.get_fully_qualified_name()
+        earlier, self._keeper = self._keeper, quiet_node(f"_stage_{token}", self._context)
+        if earlier is not None:
+            earlier.destroy_node()
         self.errors.clear()
-        self._spinning = SpinThread(node, lambda error: self._note(name, error), executor).start()
+        entered = _default.set(self._context)
+        try:
+            with made_by(self._make):
+                node = construct(node_class, [], {})
+                if node.context is not self._context:
+                    node.destroy_node()
+                    raise TypeError(f"{node_class.__name__} is made in a context of its own: leave `context=` out")
+                if threads is None:
+                    threads = any(map(blocks, actions_of(node)))
+                executor = MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else None
+                name = node.get_fully_qualified_name()
+                self._spinning = SpinThread(node, lambda error: self._note(name, error), executor).start()
+        finally:
+            _default.reset(entered)
+
+    def _make(self, node: Node, plain: Callable[..., None], name: str, options: dict[str, Any]) -> None:
+        """Make a node of the answer on the stage, unless it says where.
+
+        It has no /rosout: rcl keeps one publisher for each name in a process, and that is the one of the node of the
+        same name that the student may have running.
+        """
+        if options.get("context") in (None, self._context):
+            overrides = [*(options.get("parameter_overrides") or []), *WITHOUT_DESCRIPTIONS]
+            options |= {"context": self._context, "enable_rosout": False, "parameter_overrides": overrides}
+            self._made.append(node)
+        plain(node, name, **options)
 
     def _note(self, name: str, error: Exception) -> None:
         text = f"A callback of {name} raised {described(error)}."
@@ -90,12 +112,16 @@ class AnswerHost:
         ending, self._spinning = self._spinning, None
         if ending is not None:
             ending.close(STOP_TIMEOUT)
+        beside, self._made = self._made[1:], []
+        for node in beside:
+            destroy(node)
 
     def close(self) -> None:
         """Leave the domain."""
         self.stop()
         with contextlib.suppress(Exception):
-            self._keeper.destroy_node()
+            if self._keeper is not None:
+                self._keeper.destroy_node()
         with contextlib.suppress(Exception):
             self._context.try_shutdown()
 
@@ -157,7 +183,10 @@ def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
             node_class, name = names[order["node_class"]], order["node_class"]
             if not issubclass(node_class, Node):
                 raise TypeError(f"{name} is not derived from rclpy.node.Node. Write: class {name}(Node)")
-            host.start(node_class, [], order["threads"])
+            threads = order["threads"]
+            host.start(
+                node_class, order["token"], threads or _has_threads(name, names) if threads is not False else False
+            )
         case "stop":
             host.stop()
         case "call":
@@ -172,6 +201,12 @@ def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
         case "errors":  # what the callbacks of the node raised
             return list(host.errors)
     return None
+
+
+def _has_threads(name: str, names: Mapping[str, Any]) -> bool | None:
+    """True if the notebook runs a node of the class of this name with a MultiThreadedExecutor, else None."""
+    there = [spinning.node for spinning in spinning_now()] + [one for one in names.values() if isinstance(one, Node)]
+    return any(isinstance(n.executor, MultiThreadedExecutor) for n in there if type(n).__name__ == name) or None
 
 
 def described(error: BaseException) -> str:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import threading
+from collections import deque
+from collections.abc import Mapping, Sequence, Set, ValuesView
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -56,24 +59,28 @@ class Channel:
 
 
 def as_json(value: Any) -> Any:
-    """A student's value as JSON has it: sets become sorted lists, arrays lists, messages their fields.
+    """A student's value as JSON has it: sets become sorted lists, arrays lists, paths texts, messages their fields.
 
     Raises TypeError for what has no such form, with its type.
     """
-    if value is None or isinstance(value, bool | int | str):
+    if hasattr(value, "tolist"):  # numpy's numbers, some of which are Python's too, and arrays; the standard library's
+        value = value.tolist()
+    if value is None or isinstance(value, bool):
         return value
+    if isinstance(value, int | str):
+        return str(value) if isinstance(value, str) else int(value)
     if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
-    if isinstance(value, dict):
+        return float(value) if math.isfinite(value) else str(value)
+    if isinstance(value, os.PathLike):
+        return str(os.fspath(value))
+    if isinstance(value, Mapping):
         return {str(key): as_json(each) for key, each in value.items()}
-    if isinstance(value, set | frozenset):
+    if isinstance(value, Set):
         return sorted((as_json(each) for each in value), key=str)
-    if isinstance(value, list | tuple):
+    if isinstance(value, Sequence | ValuesView | deque) and not isinstance(value, bytes | bytearray | memoryview):
         return [as_json(each) for each in value]
     if hasattr(value, "get_fields_and_field_types"):
         return {name: as_json(getattr(value, name)) for name in value.get_fields_and_field_types()}
-    if hasattr(value, "tolist"):  # numpy's and the standard library's arrays
-        return as_json(value.tolist())
     raise TypeError(
         f"{type(value).__name__} is no plain value: give numbers, texts, lists, sets or dictionaries of them"
     )

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from random import Random
 from typing import Any
 
 from course_kit.examining.exercise import Exercise
@@ -43,12 +44,16 @@ class Examination:
     watched: dict[str, Heard]  # what was heard in the student's domain since the chapter's first check, by topic
     send_order: Callable[[dict[str, Any], float], dict[str, Any]]
     folder: Path = Path("/")  # the kernel's; then the notebook's
+    seed: int = 0  # of all that the check draws
     ending: ExitStack = field(default_factory=ExitStack)  # what ends with it, besides what the stations know
+    programs: list[int] = field(default_factory=list)  # the ids of the processes that it has started
     findings: list[Finding] = field(default_factory=list)
     waiting_for: str = ""
+    only_for_the_answer: set[str] = field(default_factory=set)  # names, as DDS has them, that no stranger may have
 
     def __post_init__(self) -> None:
         self.folder = beside_the_notebook(self.folder)
+        self.random = Random(self.seed)
         self.begin_again()
 
     def begin_again(self) -> None:
@@ -59,11 +64,22 @@ class Examination:
 
     def judge(self, text: str, ok: Any, hint: str = "", points: int = 0, needed: bool = False) -> bool:
         """Note one finding. What has no points, or is `needed`, must hold: else the check ends here."""
+        if strangers := self.stage.strangers(*self.only_for_the_answer):
+            self._refuse(strangers)
         holds = bool(ok)
         self.findings.append(Finding(text, holds, "" if holds else self._with_errors(hint), points))
         if not holds and (needed or points == 0):
             raise Ended
         return holds
+
+    def _refuse(self, strangers: list[str]) -> None:
+        text = "only your node takes part"
+        hint = (
+            f"{', '.join(strangers)} of another process or context has an end of the exercise's topics, services or "
+            "actions in the check's own domain: what the check sees would not be your node's. End it."
+        )
+        self.findings.append(Finding(text, False, hint))
+        raise Ended
 
     def _with_errors(self, hint: str) -> str:
         """The hint, and before it what a callback of the student's raised: that is the cause more often than not."""

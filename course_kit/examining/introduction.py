@@ -7,7 +7,7 @@ so a node whose answer comes to a new client knows all that was made before it.
 
 from __future__ import annotations
 
-from itertools import chain
+from dataclasses import fields
 from typing import Any
 
 from rcl_interfaces.srv import GetParameterTypes
@@ -20,15 +20,12 @@ PERIOD = 0.5  # seconds from one request to the next while no answer comes
 EVERY_NODES = "/get_parameter_types"
 
 
-def meet(station: Station, offering: str = "") -> None:
-    """Wait until their nodes, or those that offer a service or an action, have found all that the checker made."""
-    servers = [
-        node.service_servers
-        for node in station.offered()
-        if not offering or offering in node.service_servers or offering in node.action_servers
-    ]
-    for service in [each for each in chain(*servers) if each.endswith(EVERY_NODES)]:
-        introduce(station, service, GetParameterTypes)
+def meet(station: Station, *names: str) -> None:
+    """Wait until their nodes that have one of these topics, services or actions have found all the checker made."""
+    for node in station.offered():
+        if any(has.keys() & names for has in (getattr(node, each.name) for each in fields(node))):
+            for service in [each for each in node.service_servers if each.endswith(EVERY_NODES)]:
+                introduce(station, service, GetParameterTypes)
 
 
 def introduce(station: Station, service: str, service_type: Any) -> bool:

@@ -1,14 +1,15 @@
-"""Types of the checker's own for exercises about types that a student builds: compiled once a user, then kept.
+"""Types of the checker's own for exercises about types that a student builds: compiled once, then kept.
 
 The checker loads nothing from a student's workspace. A package of the same definitions speaks with the student's, as
-DDS compares names only. What is compiled lies where programs keep what they can make again: $XDG_CACHE_HOME, or
-~/.cache.
+DDS compares names only. What is compiled lies with the course's own files, which an answer has no business with.
 """
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import fcntl
+import functools
 import hashlib
 import importlib
 import importlib.metadata
@@ -29,7 +30,7 @@ DEFINITIONS = {
     "robot_interfaces": (HERE / "exercises/robot_interfaces", ("msg/Battery.msg", "srv/Recharge.srv")),
 }
 COMPILE_TIMEOUT = 120.0
-FOLDER = "ros2-notebook-course/interfaces"
+FOLDER = "share/course_kit/checker_types"
 
 
 class Uncompiled(RuntimeError):  # noqa: N818  (reads as what happened)
@@ -69,9 +70,20 @@ def _folder(package: str) -> Path:
         f"{prefix} {sys.implementation.cache_tag} {platform.machine()} {importlib.metadata.version('numpy')}",
     ]
     digest = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:16]
-    cache = os.environ.get("XDG_CACHE_HOME", "")
-    base = Path(cache) if os.path.isabs(cache) else Path.home() / ".cache"
-    return base / FOLDER / f"{package}-{digest}"
+    return base() / f"{package}-{digest}"
+
+
+@functools.cache
+def base() -> Path:
+    """Where they are kept: with the course, or where that may not be written, for as long as this process lives."""
+    folder = Path(sys.prefix, FOLDER)
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    own = tempfile.mkdtemp(prefix="course-kit-types-")
+    atexit.register(shutil.rmtree, own, ignore_errors=True)
+    return Path(own)
 
 
 def _compile(package: str, folder: Path) -> None:
@@ -82,7 +94,7 @@ def _compile(package: str, folder: Path) -> None:
             (copy := Path(work, package, name)).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(source / name, copy)
         # In a process of its own: the generators fork, which one with threads must not.
-        command = [sys.executable, "-m", "course_kit.examining.own_types", package, work]
+        command = [sys.executable, "-I", "-m", "course_kit.examining.own_types", package, work]
         done: subprocess.CompletedProcess[str] | None = None
         with contextlib.suppress(subprocess.TimeoutExpired):
             done = subprocess.run(

@@ -6,14 +6,17 @@ import contextlib
 import os
 import threading
 from collections import deque
-from collections.abc import Callable
-from typing import Any, TypeVar
+from collections.abc import Callable, Collection, Iterable
+from typing import Any, NamedTuple, TypeVar
 
+import psutil  # type: ignore[import-untyped]
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message
 
 from course_kit.examining.node_log import NodeLog
+from course_kit.internals.fastdds_parts import PARTICIPANT_SIZE, Origin
+from course_kit.polling import wait_until
 from course_kit.ros_graph import discovery, graph
 from course_kit.spinning import context as ros_context
 from course_kit.spinning.executors import SpinThread
@@ -24,48 +27,69 @@ from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 Made = TypeVar("Made")
 LOG_PERIOD = 0.2  # seconds between two looks at what was logged
 KEPT = 20_000  # messages of one subscription
+POLL = 0.005  # seconds
+
+
+class Arrival(NamedTuple):
+    """One message: when the middleware received it (nanoseconds since the epoch), its publisher's id, itself."""
+
+    received: int
+    publisher: bytes  # b"" where the middleware does not tell
+    serialised: bytes
 
 
 class Heard:
-    """The messages of one topic, in order, with the times (nanoseconds) at which the middleware received them."""
+    """The messages of one topic that count, in order.
 
-    def __init__(self, message_type: Any, topic: str = "") -> None:
+    `counts` says of a publisher's id whether its messages count: those of other nodes may come at any time.
+    """
+
+    def __init__(
+        self, message_type: Any, topic: str = "", counts: Callable[[bytes], bool] | None = None, changes: bool = False
+    ) -> None:
+        """`changes`: a message that says the same as the one before is not kept: for a topic heard for hours."""
         self.topic = topic
         self._type = message_type
-        self._kept: deque[tuple[int, int, bytes]] = deque(maxlen=KEPT)
+        self._counts = counts or (lambda publisher: True)
+        self._changes = changes
+        self._kept: deque[Arrival] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
-        self.received = 0  # messages in all, also those no longer kept
+        self.received = 0  # messages in all, whoever sent them, also those that are not kept
         self.subscription: RawSubscription  # once it is listened to
 
     def receive(self, serialised: bytes, info: dict[str, Any]) -> None:
         """Keep a message; called in the watching thread."""
+        arrival = Arrival(info["received_timestamp"], info.get("publisher", b""), serialised)
         with self._lock:
             self.received += 1
-            self._kept.append((info["received_timestamp"], info["publication_sequence_number"], serialised))
+            if not (self._changes and self._kept and self._kept[-1][1:] == arrival[1:]):
+                self._kept.append(arrival)
 
     def __len__(self) -> int:
-        return len(self._kept)
+        return len(self._all())
 
-    def _all(self) -> list[tuple[int, int, bytes]]:
+    def _all(self) -> list[Arrival]:
         with self._lock:
-            return list(self._kept)
+            kept = list(self._kept)
+        counts = {publisher: self._counts(publisher) for publisher in {one.publisher for one in kept}}
+        return [one for one in kept if counts[one.publisher]]
 
     def _read(self, serialised: bytes) -> Any:
         return deserialize_message(serialised, self._type)
 
     @property
     def times(self) -> list[int]:
-        """When each kept message came, in nanoseconds since the epoch, oldest first."""
-        return [when for when, _, _ in self._all()]
+        """When each message came, in nanoseconds since the epoch, oldest first."""
+        return [one.received for one in self._all()]
 
     @property
     def arrivals(self) -> list[tuple[int, Any]]:
-        """When each kept message came, and the message, oldest first."""
-        return [(when, self._read(serialised)) for when, _, serialised in self._all()]
+        """When each message came, and the message, oldest first."""
+        return [(one.received, self._read(one.serialised)) for one in self._all()]
 
     @property
     def messages(self) -> list[Any]:
-        """The kept messages, oldest first."""
+        """The messages, oldest first."""
         return [message for _, message in self.arrivals]
 
     @property
@@ -73,16 +97,18 @@ class Heard:
         """How many publishers are matched."""
         return self.subscription.publisher_count
 
-    def since_restart(self) -> list[Any]:
-        """The messages of the last of its publishers: each counts its own from 1."""
-        kept = self._all()
-        starts = [0, *(place for place in range(1, len(kept)) if kept[place][1] <= kept[place - 1][1])]
-        return [self._read(serialised) for _, _, serialised in kept[starts[-1] :]]
+    def of(self, publishers: Collection[bytes]) -> list[tuple[int, Any]]:
+        """The arrivals that came from these publishers; all where the middleware does not tell who sent them."""
+        return [
+            (one.received, self._read(one.serialised))
+            for one in self._all()
+            if not one.publisher or one.publisher in publishers
+        ]
 
     @property
     def last(self) -> Any:
         """The newest message. IndexError if none has come."""
-        return self._read(self._kept[-1][2])
+        return self._read(self._all()[-1].serialised)
 
 
 class Station:
@@ -96,12 +122,61 @@ class Station:
         self.node = self._hidden_node()
         self.discovery = discovery.of(self.node, keep=True)
         self.errors: list[Exception] = []
-        self._watcher = Watcher(self.node, self.errors.append)
+        self._watcher = Watcher(self.node, self.errors.append, with_senders=True)
         self._check_node: Node | None = None
         self._check = contextlib.ExitStack()  # what ends with a check
         self._node_log: NodeLog | None = None
         self.mine: set[str] = set()
+        self._examined: set[bytes] = set()  # the participants that the answer has, or had
+        self._processes: set[int] = set()  # the lower 16 bits of the ids of processes that are the answer's
+        self._own: bytes | None = None  # the checker's participant
         self._graph_thread = SpinThread(self.node, self.errors.append).start()
+
+    # Whose is what. Where the middleware does not tell, or nothing is examined, all that is not the checker's counts.
+
+    def examine(self, node: str, timeout: float) -> bool:
+        """Let what the participant of a hidden node of this name does count; whether it was found in time."""
+        if not self.discovery.reads:
+            return True
+
+        def find() -> bool:
+            self._examined |= {one.participant for one in self.discovery.announced() if (node, "/") in one.nodes}
+            return bool(self._examined)
+
+        return wait_until(find, timeout, POLL)
+
+    def examine_processes(self, pids: Iterable[int]) -> None:
+        """Let what these processes do count."""
+        self._processes |= {pid & 0xFFFF for pid in pids}
+
+    def counts(self, endpoint: bytes) -> bool:
+        """Whether an endpoint, by its id, is one of the answer."""
+        if not (self._examined or self._processes) or not endpoint:
+            return True
+        origin = Origin.of(endpoint)
+        return endpoint[:PARTICIPANT_SIZE] in self._examined or origin is None or origin.pid_bits in self._processes
+
+    def is_own(self, endpoint: bytes) -> bool:
+        """Whether an endpoint, by its id, is one of the checker's."""
+        if self._own is None:
+            name = self.node.get_name(), self.node.get_namespace()
+            self._own = next((one.participant for one in self.discovery.announced() if name in one.nodes), None)
+        return not endpoint or self._own is None or endpoint[:PARTICIPANT_SIZE] == self._own
+
+    def strangers(self, *names: str) -> list[str]:
+        """Who has an end of these topics, as the middleware spells them, and is neither the checker nor the answer."""
+        ends = [
+            end
+            for name in names
+            for look in (self.node.get_publishers_info_by_topic, self.node.get_subscriptions_info_by_topic)
+            for end in look(name, no_mangle=True)
+            if not (self.counts(bytes(end.endpoint_gid)) or self.is_own(bytes(end.endpoint_gid)))
+        ]
+        if ends:  # those of a killed process are listed for a while
+            alive = {pid & 0xFFFF for pid in psutil.pids()}
+            origins = [Origin.of(bytes(end.endpoint_gid)) for end in ends]
+            ends = [e for e, origin in zip(ends, origins, strict=True) if origin is None or origin.pid_bits in alive]
+        return sorted({topics.node_name(end) for end in ends})
 
     # The graph.
 
@@ -110,38 +185,46 @@ class Station:
         return self.discovery.wait(timeout)
 
     def their_nodes(self) -> list[str]:
-        """The nodes that are not the checker's, by their full names; hidden ones not."""
-        return [n.full_name for n in graph.nodes(self.node) if n.full_name not in self.mine]
+        """The answer's nodes, or all that are not the checker's, by their full names; hidden ones not."""
+        there = [n.full_name for n in graph.nodes(self.node) if n.full_name not in self.mine]
+        if not (self._examined or self._processes):
+            return there
+        announced = [one for one in self.discovery.announced() if self.counts(one.participant)]
+        names = {graph.NodeName(*node).full_name for one in announced for node in one.nodes}
+        return [name for name in there if name in names]
 
     def publishers(self, topic: str) -> list[Any]:
-        """The publishers of a topic that are not the checker's."""
+        """The publishers of a topic that count."""
         return [e for e in topics.publishers(self.node, topic) if self._is_theirs(e)]
 
     def subscriptions(self, topic: str) -> list[Any]:
-        """The subscriptions to a topic that are not the checker's."""
+        """The subscriptions to a topic that count."""
         return [e for e in topics.subscriptions(self.node, topic) if self._is_theirs(e)]
 
     def _is_theirs(self, endpoint: Any) -> bool:
-        return topics.node_name(endpoint) not in self.mine and not endpoint.node_name.startswith("_")
+        is_named = topics.node_name(endpoint) not in self.mine and not endpoint.node_name.startswith("_")
+        return is_named and self.counts(bytes(endpoint.endpoint_gid))
 
     def offered(self) -> list[graph.Interfaces]:
-        """What each of their nodes offers and uses."""
-        offers = []
-        for name in self.their_nodes():
-            with contextlib.suppress(Exception):  # it has gone meanwhile
-                offers.append(graph.interfaces(self.node, graph.NodeName.of(name)))
-        return offers
+        """What each of the answer's nodes offers and uses."""
+
+        def of(name: str) -> graph.Interfaces:
+            return graph.interfaces_of(self.node, lambda e: self._is_theirs(e) and topics.node_name(e) == name)
+
+        return [of(name) for name in self.their_nodes()]
 
     # What lasts as long as a check.
 
-    def listen(self, topic: str, message_type: Any, keep: bool = False) -> Heard:
+    def listen(self, topic: str, message_type: Any, keep: bool = False, own: bool = False) -> Heard:
         """Subscribe to a topic; with the reliability of its publishers, and without what they kept for newcomers.
 
-        With `keep` beyond the end of the check.
+        The answer's messages count, or with `own` the checker's. With `keep` beyond the end of the check, whoever
+        sends them.
         """
         qos = topics.qos_for(topic, topics.publishers(self.node, topic))
         qos.durability = DurabilityPolicy.VOLATILE
-        heard = Heard(message_type, topic)
+        counts = None if keep else self.is_own if own else self.counts
+        heard = Heard(message_type, topic, counts, changes=keep)
         heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
         if not keep:
             self._check.callback(heard.subscription.close)
@@ -183,6 +266,8 @@ class Station:
         self._check.close()
         self._check_node = None
         self.mine.clear()
+        self._examined.clear()
+        self._processes.clear()
         self.errors.clear()
 
     def close(self) -> None:

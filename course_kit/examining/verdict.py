@@ -50,6 +50,7 @@ class Verdict:
     state: str = LOOKED_AT
     findings: tuple[Finding, ...] = ()
     note: str = ""  # what to do, if nothing was looked at
+    seed: int | None = None  # of what the check drew; with it the same is drawn again
 
     @property
     def points(self) -> int:
@@ -67,8 +68,12 @@ class Verdict:
         result = points_text(self.points, self.max_points) if self.state == LOOKED_AT else self.state
         return f"{self.exercise} · {self.title}: {result}"
 
+    @property
+    def _drawn(self) -> str:
+        return "" if self.seed is None else f'check("{self.exercise}", seed={self.seed}) repeats what was drawn for it'
+
     def __repr__(self) -> str:
-        note = [f"    {self.note}"] if self.note else []
+        note = [f"    {line}" for line in (self.note, self._drawn) if line]
         return "\n".join([self.heading, *map(str, self.findings), *note])
 
     def _repr_html_(self) -> str:
@@ -81,6 +86,8 @@ class Verdict:
             lines.append(f"<div>{sign} {in_code(finding.claim)}</div>{hint}")
         if self.note:
             lines.append(f"<div style='margin-left:2em'>{in_code(self.note)}</div>")
+        if self._drawn:
+            lines.append(f"<div style='margin-left:2em;opacity:0.6'>{html.escape(self._drawn)}</div>")
         return f"<div class='course-kit-check'>{''.join(lines)}</div>"
 
     @staticmethod

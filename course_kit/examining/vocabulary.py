@@ -6,8 +6,10 @@ Each expect_… notes one finding and returns whether it holds. If it has no poi
 from __future__ import annotations
 
 import difflib
+import secrets
 import time
 from collections.abc import Callable, Sequence
+from random import Random
 from typing import Any
 
 from course_kit.examining.examination import POLL, current
@@ -17,18 +19,21 @@ from course_kit.turtlesim.node import TurtleSim
 from course_kit.turtlesim.turtle import TICK
 
 NODE_TIMEOUT = 3.0
+STAGE_TIMEOUT = 5.0
 ARRIVAL_TIMEOUT = 0.7  # seconds given to what may come a little later than the node
 PROGRAM_ARRIVAL_TIMEOUT = 5.0  # the same in a program, whose constructor goes on when its node is in the graph
 
 
-def answer(threads: bool = False) -> None:
+def answer(threads: bool | None = False) -> None:
     """Make a node of the student's class on the stage, as `run(…)` would, and look at its name; ends with the check.
 
-    `threads`: with a MultiThreadedExecutor.
+    `threads`: with a MultiThreadedExecutor; None: if the student runs it with one, or an action of it blocks a thread.
+    From then on only what its participant does counts.
     """
-    exercise = current().exercise
-    before = current().stage.their_nodes()
-    reply = current().order("start", 5.0, node_class=exercise.node_class, threads=threads)
+    exercise, stage = current().exercise, current().stage
+    before = stage.their_nodes()
+    token = secrets.token_hex(4)
+    reply = current().order("start", 5.0, node_class=exercise.node_class, threads=threads, token=token)
     error = reply.get("error", "")
     hint = reply.get("trace", error)
     if "did not return" in error:
@@ -37,6 +42,8 @@ def answer(threads: bool = False) -> None:
             f"spun. Wait in a callback, or with a done callback."
         )
     require(f"a node is made of the class `{exercise.node_class}`", not error, hint)
+    is_seen = stage.examine(f"_stage_{token}", STAGE_TIMEOUT)
+    require("the checker sees where it runs", is_seen, "Its process was not found. Restart the kernel and try again.")
     if exercise.node:
         expect_node(exercise.node, before)
 
@@ -72,6 +79,16 @@ def a_turtle(period: float = TICK) -> TurtleSim:
     turtlesim = TurtleSim(period=period, **options)
     station.spin(turtlesim)
     return turtlesim
+
+
+def chance() -> Random:
+    """Where a check draws orders, counts, values and moments from: another each time, the same for the same seed."""
+    return current().random
+
+
+def nobody_else(*topics: str) -> None:
+    """From now on nobody but the answer and the checker may have an end of these topics, as DDS spells them."""
+    current().only_for_the_answer.update(topics)
 
 
 def pause(seconds: float) -> None:

@@ -13,8 +13,9 @@ from rclpy.task import Future
 from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, require, wait
+from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, nobody_else, require, wait
 from course_kit.examining.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT
+from course_kit.internals.rmw_parts import action_topics
 
 # By the numbers of action_msgs/msg/GoalStatus.
 STATUSES = ("unknown", "accepted", "executing", "canceling", "succeeded", "canceled", "aborted")
@@ -85,6 +86,7 @@ class Client:
 
     def __init__(self, name: str, action_type: Any) -> None:
         self._type = action_type
+        nobody_else(*action_topics(name))
         self._client = current().stage.on_own_node(lambda node: ActionClient(node, action_type, name))
         wait(self._client.server_is_ready, CONNECT_TIMEOUT, f"the action {name}")
         # Heard on its own: an ActionClient drops what comes after the result.
@@ -112,6 +114,7 @@ class FibonacciServer:
         self.published = 0
         self.cancelled_after: int | None = None  # feedback messages
         self.ended: list[str] = []
+        nobody_else(*action_topics("/fibonacci"))
         current().stage.on_own_node(self._prepare)
 
     def _prepare(self, node: Node) -> None:

@@ -13,7 +13,8 @@ from rclpy.task import Future
 from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
 from course_kit.examining.station import Station
-from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, require, wait
+from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, nobody_else, require, wait
+from course_kit.internals.rmw_parts import service_topics
 from course_kit.ros_graph.graph_data import EVERY_NODES_SERVICES
 
 CONNECT_TIMEOUT = 5.0
@@ -51,6 +52,7 @@ class Client:
 
     def __init__(self, name: str, service_type: Any, station: Station | None = None) -> None:
         self._name, self._type = name, service_type
+        nobody_else(*service_topics(name))
         station = station or current().stage
         self._client = station.check_node.create_client(service_type, name)
         wait(self._client.service_is_ready, CONNECT_TIMEOUT, f"the service {name}")
@@ -106,6 +108,7 @@ class Server:
 
 def a_server(name: str, service_type: Any, answer: Callable[[Any, Any], Any]) -> Server:
     """Serve a service on the stage until the check ends."""
+    nobody_else(*service_topics(name))
     server = Server(answer)
     current().stage.on_own_node(lambda node: node.create_service(service_type, name, server.serve))
     current().ending.callback(server.ended.set)  # what still waits in a callback would keep the node in the graph

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 from course_kit.examining.examination import current
@@ -23,11 +22,12 @@ def expect_running_node(name: str, node_class: str, points: int = 0) -> None:
 
 
 def heard_since_start(topic: str) -> list[Any]:
-    """What came on a watched topic since its publisher was started."""
-    heard, asked = current().watched[topic], time.time_ns()
-    if current().student.publishers(topic):  # which may have been started just now
-        wait(lambda: heard.times[-1:] > [asked], ARRIVAL)
-    return heard.since_restart()
+    """What came on a watched topic from the publishers that it has now."""
+    heard, before = current().watched[topic], current().watched[topic].received
+    publishers = {bytes(one.endpoint_gid) for one in current().student.publishers(topic)}
+    if publishers:  # which may have been started just now
+        wait(lambda: heard.received > before, ARRIVAL)
+    return [message for _, message in heard.of(publishers)]
 
 
 def logged_by(logger: str) -> list[Any]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from turtlesim.msg import Pose
 
 from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
@@ -17,6 +18,8 @@ from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import arrival_timeout, expect, expect_type, nearest, pause, require, wait
 from course_kit.recordings.measure import measure
 from course_kit.watching import topics
+
+MATCH_TIMEOUT = 3.0
 
 
 def expect_topic(topic: str, message_type: Any) -> None:
@@ -88,9 +91,16 @@ def publish_steadily(to: Publisher, messages: Sequence[Any], period: float) -> N
 
 
 def listen(topic: str, message_type: Any) -> Heard:
-    """Hear a topic of the stage from now on, until the check ends."""
+    """Hear what the answer says on a topic of the stage from now on, until the check ends."""
     heard = current().stage.listen(topic, message_type)
-    meet(current().stage)
+    meet(current().stage, topic)
+    return heard
+
+
+def hear_the_turtle() -> Heard:
+    """Hear the pose of turtle1 of a_turtle(), and what nobody else says of it, until the check ends."""
+    heard = current().stage.listen("/turtle1/pose", Pose, own=True)
+    wait(lambda: len(heard), MATCH_TIMEOUT, "the turtle's pose")
     return heard
 
 

@@ -6,6 +6,7 @@ with the check.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import xml.etree.ElementTree as ElementTree
@@ -120,6 +121,7 @@ def start(*command: str) -> Process:
     """Start a command on the stage, in the workspace's folder; it ends with the check."""
     process = Process(command, " ".join(command), _environment(), folder())
     current().ending.callback(process.stop, STOP_PATIENCE)
+    current().programs.append(process.pid)
     process.begin()
     return process
 
@@ -143,6 +145,7 @@ def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     station = current().stage
 
     def missing() -> list[str]:
+        station.examine_processes(_theirs())
         return [name for name in names if name not in station.their_nodes()]
 
     def is_decided() -> bool:
@@ -155,6 +158,16 @@ def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     hint = f"There is no {', '.join(absent)}, there is {', '.join(present) or 'no node at all'}. {said(process)}"
     text = f"the node `{names[0]}` runs" if len(names) == 1 else f"the nodes {', '.join(f'`{n}`' for n in names)} run"
     return expect(text, not absent, hint, points, needed=True)
+
+
+def _theirs() -> list[int]:
+    """The processes that were started, with those that they have started."""
+    pids = []
+    for pid in current().programs:
+        with contextlib.suppress(psutil.Error):  # it has ended
+            root = psutil.Process(pid)
+            pids += [pid, *(child.pid for child in root.children(recursive=True))]
+    return pids
 
 
 def _still_begins(process: Process) -> bool:

@@ -15,7 +15,7 @@ from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import a_turtle, answer, expect, pause, read, require, wait, wait_for_attribute
 from course_kit.examining.vocabulary_actions import Client, FibonacciServer, expect_action
-from course_kit.examining.vocabulary_topics import listen
+from course_kit.examining.vocabulary_topics import hear_the_turtle
 
 SIDE = 2.0  # metres of a line of the star
 STAR_TURN = 2 * math.tau / 5
@@ -174,10 +174,9 @@ def star_server() -> None:
     from my_interfaces.action import Polygon  # the checker's own
 
     a_turtle()
-    driven = listen("/turtle1/pose", Pose)
+    driven = hear_the_turtle()
     answer()
     client = expect_action("/drive_star", Polygon)
-    wait(lambda: len(driven), 3.0, "the turtle's pose")
     pause(0.3)
     start, before = driven.last, len(driven)
     goal = client.send(side_length=SIDE)

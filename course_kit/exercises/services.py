@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from example_interfaces.srv import AddTwoInts
 from std_srvs.srv import SetBool, Trigger
-from turtlesim.msg import Pose
 
 from course_kit.examining import trails
 from course_kit.examining.exercise import exercise
@@ -22,7 +21,7 @@ from course_kit.examining.vocabulary import (
     wait_for_servers,
 )
 from course_kit.examining.vocabulary_services import Client, a_server, add_two_ints, expect_service, no_answer
-from course_kit.examining.vocabulary_topics import listen
+from course_kit.examining.vocabulary_topics import hear_the_turtle
 
 SLOW_TICK = 0.25  # seconds; so slow that who asks just after a tick and does not wait for the next is always early
 LATE = 1.5  # seconds that a wait of 0.5 s may take where the machine is busy
@@ -178,7 +177,7 @@ def star_painter() -> None:
         answer()
         client = Client("/draw_star", Trigger)
     turtlesim = a_turtle(period=SLOW_TICK)
-    poses = listen("/turtle1/pose", Pose)
+    poses = hear_the_turtle()
     wait(lambda: poses.received > 1, 3.0, "a tick")
     drawn = client.ask(40.0)
     require("with a turtle it answers", drawn.response is not None, no_answer("/draw_star", 40.0))

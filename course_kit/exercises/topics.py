@@ -20,6 +20,7 @@ from course_kit.examining.vocabulary_topics import (
     expect_rate,
     expect_subscription,
     expect_topic,
+    hear_the_turtle,
     listen,
     publish_steadily,
     publisher,
@@ -109,7 +110,7 @@ def relay() -> None:
 def figure_of_eight() -> None:
     """The turtle drives two circles of the same size, one to the left and one to the right, and is back."""
     a_turtle()
-    driven = listen("/turtle1/pose", Pose)
+    driven = hear_the_turtle()
     answer()
     expect_topic("/turtle1/cmd_vel", Twist)
     poses = _drive_until_it_stands(driven)

@@ -16,7 +16,7 @@ from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import a_turtle, expect, wait
-from course_kit.examining.vocabulary_topics import listen
+from course_kit.examining.vocabulary_topics import hear_the_turtle, listen
 from course_kit.examining.vocabulary_workspace import (
     expect_executable,
     expect_installed,
@@ -39,8 +39,7 @@ def patrol() -> None:
     expect_package("patrol", "ament_python")
     expect_executable("patrol", "patrol")
     a_turtle()
-    driven = listen("/turtle1/pose", Pose)
-    wait(lambda: len(driven), 3.0, "the turtle's pose")
+    driven = hear_the_turtle()
     node = start("ros2", "run", "patrol", "patrol", "--ros-args", "-p", "side:=1.0", "-p", "speed:=1.0")
     expect_nodes(node, "/patrol")
     lap = _lap_of(driven, 1.0)

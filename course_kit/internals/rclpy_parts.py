@@ -11,6 +11,7 @@ import contextlib
 import functools
 import gc
 import inspect
+import sys
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
@@ -28,6 +29,7 @@ from rclpy.task import Future
 from rclpy.type_support import check_is_valid_msg_type
 
 from course_kit.internals import NotAsExpected, expect, going_on_without
+from course_kit.internals.rmw_parts import SenderTaker
 
 # EventsExecutor's spin() without a timeout runs no callback at all; with one, however long, it works.
 EVENTS_TIMEOUT = 3600.0
@@ -63,6 +65,23 @@ def replace(owner: Any, name: str, guard_of: Callable[[Any], Callable[..., Any]]
     setattr(owner, name, guard)
 
 
+def choose_default_context(chosen: Callable[[], Context | None]) -> None:
+    """Have rclpy take the context that `chosen` gives for the default one; where it gives None, its own.
+
+    For the whole process, once. Each module of rclpy has a name of its own for the function that is asked.
+    """
+
+    def guard_of(plain: Callable[..., Context]) -> Callable[..., Context]:
+        def get_default_context(*, shutting_down: bool = False) -> Context:
+            return chosen() or plain(shutting_down=shutting_down)
+
+        return get_default_context
+
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] == "rclpy" and hasattr(module, "get_default_context"):
+            replace(module, "get_default_context", guard_of)
+
+
 # What its loggers, clients and executors keep to themselves.
 
 
@@ -81,6 +100,12 @@ def pending_requests(client: Client) -> list[Future]:
     """The futures of a client's requests that wait for an answer."""
     expect("rclpy", client, "_pending_requests")
     return list(client._pending_requests.values())
+
+
+def blocks(action: Any) -> bool:
+    """Whether it is an action server that keeps a thread for as long as a goal runs."""
+    execute = getattr(action, "_execute_callback", None)
+    return execute is not None and not inspect.iscoroutinefunction(execute)
 
 
 def fast_executor(context: Context) -> Executor:
@@ -133,6 +158,12 @@ class CppTaker:
         self.take = functools.partial(self.subscription.take_message, message_type, True)
         self.take_missed = self.missed.take_event  # how many messages the middleware could not deliver
         self.take_refused = self.refused.take_event  # for which of its policies a publisher was last refused
+        self._senders: SenderTaker | None = None
+
+    def tell_senders(self) -> None:
+        """Have the info of each message say its `publisher` (an id), from now on. Raises NotAsExpected."""
+        self._senders = SenderTaker(self.subscription)
+        self.take = self._senders.take  # type: ignore[assignment]
 
     def publisher_count(self) -> int:
         """How many publishers are matched; 0 once it is destroyed."""
@@ -146,6 +177,8 @@ class CppTaker:
         """Have the middleware end it once nothing takes from it."""
         for handle in self.handles:
             handle.destroy_when_not_in_use()
+        if self._senders is not None:
+            self._senders.close()
 
 
 class CppReception:
@@ -224,6 +257,10 @@ class PublicTaker:
     def take(self) -> tuple[bytes, dict[str, Any]] | None:
         """The next message and its info; None if there is none."""
         return self.kept.popleft() if self.kept else None
+
+    def tell_senders(self) -> None:
+        """Raises NotAsExpected: rclpy does not tell who sent a message."""
+        raise NotAsExpected("rclpy's subscriptions do not tell who sent a message")
 
     def publisher_count(self) -> int:
         """How many publishers are matched; 0 once it is destroyed."""

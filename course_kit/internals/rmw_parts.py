@@ -34,6 +34,17 @@ def request_topic(service: str) -> str:
     return f"rq{service}Request"
 
 
+def service_topics(service: str) -> tuple[str, str]:
+    """The topics below ROS's names that carry a service's requests and responses."""
+    return request_topic(service), f"rr{service}Reply"
+
+
+def action_topics(action: str) -> tuple[str, ...]:
+    """The topics below ROS's names that carry an action: goals, results, requests to cancel, feedback."""
+    calls = (service_topics(f"{action}/_action/{call}") for call in ("send_goal", "get_result", "cancel_goal"))
+    return (*(topic for both in calls for topic in both), f"rt{action}/_action/feedback")
+
+
 class _Time(ctypes.Structure):
     _fields_ = (("sec", c_uint64), ("nsec", c_uint64))
 
@@ -146,6 +157,64 @@ def _empty_message() -> tuple[_SerializedMessage, Any]:
     return message, _function("librcutils.so", "rcutils_uint8_array_fini", c_int, array)
 
 
+class _Take:
+    """Takes messages of a subscription of the middleware, with who sent them. Raises NotAsExpected."""
+
+    def __init__(self) -> None:
+        _check_series()
+        middleware = f"lib{rclpy.get_rmw_implementation_identifier()}.so"
+        taken = (POINTER(structure) for structure in (_SerializedMessage, c_bool, _MessageInfo))
+        self._take = _function(middleware, "rmw_take_serialized_message_with_info", c_int, c_void_p, *taken, c_void_p)
+        self._identifier = _function(middleware, "rmw_get_implementation_identifier", c_void_p)()
+        self._message, self._finish_message = _empty_message()
+
+    def expect_own(self, structure: int | None, what: str) -> None:
+        """The middleware's structures begin with the address of its name."""
+        _expect(bool(structure) and c_void_p.from_address(structure or 0).value == self._identifier, what)
+
+    def take(self, subscription: int) -> Sample | None:
+        """The next message of the subscription at this address; None if there is none."""
+        taken, info = c_bool(), _MessageInfo()
+        status = self._take(subscription, byref(self._message), byref(taken), byref(info), None)
+        if status != RMW_RET_OK or not taken.value:
+            return None
+        _expect(info.publisher_gid.implementation_identifier == self._identifier, "rmw_message_info_t")
+        is_whole = bool(self._message.buffer) and self._message.buffer_length <= self._message.buffer_capacity
+        _expect(is_whole, "rmw_serialized_message_t")
+        data = ctypes.string_at(self._message.buffer, self._message.buffer_length)
+        return Sample(data, info.received_timestamp, bytes(info.publisher_gid.data))
+
+    def close(self) -> None:
+        """Free what it takes messages into."""
+        self._finish_message(byref(self._message))
+
+
+class SenderTaker:
+    """Takes the messages of one of rclpy's subscriptions, and says who sent each. Raises NotAsExpected.
+
+    `handle` is that of the subscription; whoever calls take() keeps it in use meanwhile.
+    """
+
+    def __init__(self, handle: Any) -> None:
+        self._taking = _Take()
+        expect("rclpy", handle, "pointer")
+        with handle:
+            of_rcl = _function("librcl.so", "rcl_subscription_get_rmw_handle", c_void_p, c_void_p)
+            self._subscription: int = of_rcl(handle.pointer)
+        self._taking.expect_own(self._subscription, "rmw_subscription_t")
+
+    def take(self) -> tuple[bytes, dict[str, Any]] | None:
+        """The next message and what rclpy would say of it, with its `publisher`; None if there is none."""
+        sample = self._taking.take(self._subscription)
+        if sample is None:
+            return None
+        return sample.data, {"received_timestamp": sample.received, "publisher": sample.publisher}
+
+    def close(self) -> None:
+        """Free what it takes messages into."""
+        self._taking.close()
+
+
 class SerializedSubscription:
     """A reliable, transient local subscription to the topic `name`, exactly so spelt: `rt/rosout` is /rosout.
 
@@ -155,18 +224,14 @@ class SerializedSubscription:
 
     def __init__(self, node: Node, name: str, package: str, message: str, depth: int) -> None:
         self._subscription: int | None = None
-        _check_series()
+        self._taking = _Take()
         middleware = f"lib{rclpy.get_rmw_implementation_identifier()}.so"
         create = _function(middleware, "rmw_create_subscription", c_void_p, *[c_void_p] * 2, c_char_p, *[c_void_p] * 2)
         actual_qos = _function(middleware, "rmw_subscription_get_actual_qos", c_int, c_void_p, c_void_p)
         self._destroy = _function(middleware, "rmw_destroy_subscription", c_int, c_void_p, c_void_p)
-        taken = (POINTER(structure) for structure in (_SerializedMessage, c_bool, _MessageInfo))
-        self._take = _function(middleware, "rmw_take_serialized_message_with_info", c_int, c_void_p, *taken, c_void_p)
-        self._identifier = _function(middleware, "rmw_get_implementation_identifier", c_void_p)()
         default = _function("librmw.so", "rmw_get_default_subscription_options", _SubscriptionOptions)()
         _expect(not any(getattr(default, name) for name, _ in _PLAIN_OPTIONS), "rmw_subscription_options_t")
         options = _SubscriptionOptions()  # the same, and nothing in the room behind it
-        self._message, self._finish_message = _empty_message()
         support = _function(
             f"lib{package}__rosidl_typesupport_c.so",
             f"rosidl_typesupport_c__get_message_type_support_handle__{package}__msg__{message}",
@@ -177,14 +242,14 @@ class SerializedSubscription:
         with self._node_handle:
             rmw_node = _function("librcl.so", "rcl_node_get_rmw_handle", c_void_p, c_void_p)
             self._rmw_node = rmw_node(self._node_handle.pointer)
-        self._expect_own(self._rmw_node, "rmw_node_t")
+        self._taking.expect_own(self._rmw_node, "rmw_node_t")
         forever = _Time(9223372036, 854775807)
         qos = _QosProfile(KEEP_LAST, depth, RELIABLE, TRANSIENT_LOCAL, forever, forever, AUTOMATIC, forever, True)
         made = create(self._rmw_node, support, name.encode(), byref(qos), byref(options))
         if not made:
             _function("librcutils.so", "rcutils_reset_error", None)()
             raise NotAsExpected(f"{rclpy.get_rmw_implementation_identifier()} refuses a subscription to {name} here")
-        self._expect_own(made, "rmw_subscription_t")
+        self._taking.expect_own(made, "rmw_subscription_t")
         self._subscription = made
         actual = _QosProfile()
         status = actual_qos(made, byref(actual))
@@ -193,28 +258,14 @@ class SerializedSubscription:
             self.close()
             _expect(False, "rmw_qos_profile_t")
 
-    def _expect_own(self, structure: int | None, what: str) -> None:
-        """The middleware's structures begin with the address of its name."""
-        _expect(bool(structure) and c_void_p.from_address(structure or 0).value == self._identifier, what)
-
     def take(self) -> Sample | None:
         """The next message; None if there is none. Raises NotAsExpected."""
-        if not self._subscription:
-            return None
-        taken, info = c_bool(), _MessageInfo()
-        status = self._take(self._subscription, byref(self._message), byref(taken), byref(info), None)
-        if status != RMW_RET_OK or not taken.value:
-            return None
-        _expect(info.publisher_gid.implementation_identifier == self._identifier, "rmw_message_info_t")
-        is_whole = bool(self._message.buffer) and self._message.buffer_length <= self._message.buffer_capacity
-        _expect(is_whole, "rmw_serialized_message_t")
-        data = ctypes.string_at(self._message.buffer, self._message.buffer_length)
-        return Sample(data, info.received_timestamp, bytes(info.publisher_gid.data))
+        return self._taking.take(self._subscription) if self._subscription else None
 
     def close(self) -> None:
         """End the subscription. Safe to call twice."""
         if self._subscription:
             with self._node_handle:
                 self._destroy(self._rmw_node, self._subscription)
-            self._finish_message(byref(self._message))
+            self._taking.close()
             self._subscription = None

@@ -29,7 +29,7 @@ from course_kit.bags import qos as bag_qos
 from course_kit.internals.rclpy_parts import fast_executor, is_fast
 from course_kit.polling import wait_until
 from course_kit.spinning import context, executors
-from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, destroy, quiet_node, with_base
+from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS, destroy, quiet_node
 from course_kit.watching import topics
 
 OF_EVERY_NODE = ("/parameter_events", "/rosout", "/clock")
@@ -79,7 +79,7 @@ class LockStep:
 
     def make(self, node_class: type[Node], args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
         """Make the node, with the bag's clock at its start when its constructor goes on."""
-        self.node = with_base(node_class, _base(self))(*args, **kwargs)
+        self.node = _with_base(node_class, _base(self))(*args, **kwargs)
         self._suit()
 
     def _suit(self) -> None:
@@ -245,6 +245,12 @@ def _counted(callback: Callable[..., Any], one: _Subscribed) -> Callable[..., An
         one.done += 1
 
     return counted
+
+
+def _with_base(node_class: type[Node], base: type[Node]) -> type[Node]:
+    """A class of the same name with `base` between it and Node."""
+    bases = (base,) if node_class is Node else (node_class, base)
+    return type(node_class.__name__, bases, {"__module__": node_class.__module__, "__doc__": node_class.__doc__})
 
 
 def _base(steps: LockStep) -> type[Node]:

@@ -122,11 +122,20 @@ class Discovery:
 
         The middleware keeps a node for ever if its last message is read after the end of its participant.
         """
-        node = self._node()
-        announced = self._announced_by(self._participants(node)) if node is not None else []
-        if node is None or self._subscription is None:
+        announced = self.announced()
+        if self._node() is None or self._subscription is None:
             return list(listed)
         return list((Counter(listed) & _nodes(announced)).elements())
+
+    @property
+    def reads(self) -> bool:
+        """Whether what participants announce can be read with this middleware."""
+        return self._subscription is not None
+
+    def announced(self) -> list[Entities]:
+        """What each participant that is there has announced, those that have done so."""
+        node = self._node()
+        return self._announced_by(self._participants(node)) if node is not None else []
 
     def _participants(self, node: Node) -> set[bytes]:
         writers = node.get_publishers_info_by_topic(TOPIC, no_mangle=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,7 +98,7 @@ def interfaces(
     """
     who = of.name, of.namespace
     if who in (_kept_names(node) if kept is None else kept):
-        ends = _by_endpoints(node, who)
+        ends = _by_endpoints(node, lambda info: (info.node_name, info.node_namespace) == who)
     else:
         ends = (
             node.get_subscriber_names_and_types_by_node(*who),
@@ -106,6 +106,15 @@ def interfaces(
             node.get_service_names_and_types_by_node(*who),
             node.get_client_names_and_types_by_node(*who),
         )
+    return _interfaces(ends, with_hidden)
+
+
+def interfaces_of(node: Node, is_one: Callable[[TopicEndpointInfo], bool], with_hidden: bool = False) -> Interfaces:
+    """What those endpoints offer and use of which `is_one` says so, wherever they are."""
+    return _interfaces(_by_endpoints(node, is_one), with_hidden)
+
+
+def _interfaces(ends: Iterable[Iterable[tuple[str, list[str]]]], with_hidden: bool) -> Interfaces:
     subscribers, publishers, servers, clients = (dict(pairs) for pairs in ends)
     six = subscribers, publishers, servers, clients, _actions(publishers), _actions(subscribers)
     return Interfaces(*(_visible(pairs.items(), with_hidden) for pairs in six))
@@ -126,11 +135,13 @@ def _actions(topics: NamesAndTypes) -> NamesAndTypes:
     }
 
 
-def _by_endpoints(node: Node, who: tuple[str, str]) -> tuple[Iterable[tuple[str, list[str]]], ...]:
+def _by_endpoints(
+    node: Node, is_one: Callable[[TopicEndpointInfo], bool]
+) -> tuple[Iterable[tuple[str, list[str]]], ...]:
     """The same four, from the endpoints of every topic: by name the middleware finds a node first that has gone."""
 
     def types(infos: Iterable[TopicEndpointInfo]) -> list[str]:
-        return sorted({info.topic_type for info in infos if (info.node_name, info.node_namespace) == who})
+        return sorted({info.topic_type for info in infos if is_one(info)})
 
     names = [name for name, _ in node.get_topic_names_and_types()]
     calls = [(name, kinds, request_topic(name)) for name, kinds in node.get_service_names_and_types()]

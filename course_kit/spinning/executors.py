@@ -132,10 +132,15 @@ def current() -> SpinThread | None:
     return _threads.get(threading.current_thread())
 
 
+def spinning_now() -> list[SpinThread]:
+    """Those that run."""
+    return [spinning for spinning in list(_threads.values()) if spinning.is_alive]
+
+
 def executor_of(node: Node) -> Executor | None:
     """The executor that spins a node in a SpinThread, or None."""
-    for spinning in list(_threads.values()):
-        if spinning.is_alive and node in spinning.executor.get_nodes():
+    for spinning in spinning_now():
+        if node in spinning.executor.get_nodes():
             return spinning.executor
     return None
 

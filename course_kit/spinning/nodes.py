@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextvars import ContextVar
 from typing import Any
 
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+
+from course_kit.internals.rclpy_parts import replace
 
 # rclpy 7.1.6 loses 0.1 MB with every node that has this service.
 WITHOUT_DESCRIPTIONS = [Parameter("start_type_description_service", value=False)]
@@ -27,11 +30,35 @@ def quiet_node(name: str, context: Context | None = None, with_rosout: bool = Fa
     )
 
 
-def with_base(node_class: type[Node], base: type[Node], **attributes: Any) -> type[Node]:
-    """A class of the same name with `base` between it and Node, whose constructor then decides how the node is made."""
-    bases = (base,) if node_class is Node else (node_class, base)
-    same = {"__module__": node_class.__module__, "__doc__": node_class.__doc__}
-    return type(node_class.__name__, bases, {**same, **attributes})
+Making = Callable[[Node, Callable[..., None], str, dict[str, Any]], None]
+_making: ContextVar[Making | None] = ContextVar("making", default=None)
+
+
+@contextlib.contextmanager
+def made_by(making: Making) -> Iterator[None]:
+    """Have nodes whose making begins in the block made by `making(node, plain, name, options)`.
+
+    That is called in the place of Node's constructor, whichever way a class gets to it, and calls
+    `plain(node, name, **options)` itself. It holds for this thread, and for those that run in a copy of its context
+    variables.
+    """
+    replace(Node, "__init__", _guard_of)
+    token = _making.set(making)
+    try:
+        yield
+    finally:
+        _making.reset(token)
+
+
+def _guard_of(plain: Callable[..., None]) -> Callable[..., None]:
+    def make(self: Node, node_name: str, **options: Any) -> None:
+        making = _making.get()
+        if making is None:
+            plain(self, node_name, **options)
+        else:
+            making(self, plain, node_name, options)
+
+    return make
 
 
 def construct(node_class: type[Node], args: Sequence[Any], kwargs: Mapping[str, Any]) -> Node:

@@ -16,6 +16,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 
+from course_kit.internals import going_on_without
 from course_kit.internals.rclpy_parts import Taker, reception
 from course_kit.watching import topics
 
@@ -81,6 +82,9 @@ class RawSubscription:
         node, reception = self._watcher.node, self._watcher.reception
         try:
             self.taker: Taker = reception.open(node, self.message_type, self.topic, self._qos)
+            if self._watcher.with_senders:
+                with going_on_without("messages of other nodes than the answer's count in checks"):
+                    self.taker.tell_senders()
         except RuntimeError:
             if self.type in dict(node.get_topic_names_and_types()).get(self.topic, [self.type]):
                 raise
@@ -135,8 +139,10 @@ class RawSubscription:
 class Watcher:
     """The thread that drains the raw subscriptions of a node which no executor knows them of."""
 
-    def __init__(self, node: Node, on_error: Callable[[Exception], None]) -> None:
+    def __init__(self, node: Node, on_error: Callable[[Exception], None], with_senders: bool = False) -> None:
+        """`with_senders`: the info has the id of a message's `publisher`, and no sequence number."""
         self.node = node
+        self.with_senders = with_senders
         self._on_error = on_error
         self._context = node.context
         self._stopping = False

@@ -42,12 +42,13 @@ class Wrong:
 
 @dataclass(frozen=True)
 class Answers:
-    """The answers to one exercise."""
+    """The answers to one exercise: the reference, wrong ones, and further right ones in other styles, by name."""
 
     exercise: str
     points: int
     reference: str
     wrong: list[Wrong] = field(default_factory=list)
+    right: dict[str, str] = field(default_factory=dict)
 
 
 class Chapter:

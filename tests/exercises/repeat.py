@@ -55,7 +55,8 @@ def _repeat(notebook: Chapter, answers: list[Answers], times: int, only_referenc
         took: dict[str, float] = {}
         for one in answers:
             sources = [] if only_reference else [(w.name, w.source, w.points, w.hint) for w in one.wrong]
-            for name, source, points, hint in [*sources, ("reference", one.reference, one.points, "")]:
+            rights = [("reference", one.reference), *([] if only_reference else one.right.items())]
+            for name, source, points, hint in [*sources, *((name, right, one.points, "") for name, right in rights)]:
                 count += 1
                 start = time.monotonic()
                 try:

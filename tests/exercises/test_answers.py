@@ -31,7 +31,7 @@ def notebook_of() -> Iterator[Callable[[str], Chapter]]:
 
 
 BUILDS = pytest.mark.slow("each answer builds a package")
-FURTHER = pytest.mark.slow("the first wrong answer shows that the check judges")
+FURTHER = pytest.mark.slow("the reference and the first wrong answer show that the check judges")
 
 
 def row(name: str, answers: Answers, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
@@ -53,6 +53,11 @@ def every_answer() -> Iterator[Any]:
                 values = wrong.source, wrong.points, wrong.hint
                 marks = [BUILDS] if name == "workspace" else [FURTHER] if wrong is not answers.wrong[0] else []
                 yield row(name, answers, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
+            for style, source in answers.right.items():
+                marks = [BUILDS] if name == "workspace" else [FURTHER]
+                yield row(
+                    name, answers, source, answers.points, "", id=f"{answers.exercise}-right_{style}", marks=marks
+                )
             yield row(name, answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
 
 
@@ -73,4 +78,9 @@ def test_answer(
 
 def test_every_exercise_has_three_wrong_answers_at_least():
     few = [one.exercise for name in CHAPTERS for one in answers_to(name).ANSWERS if len(one.wrong) < 3]
+    assert few == []
+
+
+def test_every_exercise_has_three_right_answers_at_least():
+    few = [one.exercise for name in CHAPTERS for one in answers_to(name).ANSWERS if len(one.right) < 2]
     assert few == []

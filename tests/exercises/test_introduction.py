@@ -39,9 +39,15 @@ class DropsTheFirst(Node):
 
 
 class Lamp(Node):
-    def __init__(self, parameters: bool) -> None:
-        super().__init__("lamp", start_parameter_services=parameters)
+    parameters = True
+
+    def __init__(self) -> None:
+        super().__init__("lamp", start_parameter_services=self.parameters)
         self.create_service(SetBool, "lamp", lambda _, response: response)
+
+
+class WithoutParameters(Lamp):
+    parameters = False
 
 
 class CountsItsMeetings(Node):
@@ -52,6 +58,7 @@ class CountsItsMeetings(Node):
     def __init__(self) -> None:
         super().__init__("lamp", start_parameter_services=False)
         self.create_service(SetBool, "lamp", lambda _, response: response)
+        self.create_publisher(String, "words", 10)
         self.create_service(GetParameterTypes, "lamp/get_parameter_types", self.on_meeting)
 
     def on_meeting(self, _: GetParameterTypes.Request, response: GetParameterTypes.Response) -> Any:
@@ -71,7 +78,7 @@ def served(station: Station, name: str) -> bool:
 
 def test_a_server_is_asked_until_it_answers(host: AnswerHost, examination: Examination) -> None:
     DropsTheFirst.requests = 0
-    host.start(DropsTheFirst, [], threads=False)
+    host.start(DropsTheFirst)
     assert introduce(examination.stage, "/known", Trigger)
     assert DropsTheFirst.requests == 2
 
@@ -81,18 +88,18 @@ def test_a_server_that_never_answers_is_given_up(examination: Examination, monke
     assert not introduce(examination.stage, "/nobody", Trigger)
 
 
-@pytest.mark.parametrize("parameters", [True, False])
+@pytest.mark.parametrize("node_class", [Lamp, WithoutParameters])
 def test_a_node_with_or_without_parameter_services_answers_the_first_request(
-    host: AnswerHost, examination: Examination, parameters: bool
+    host: AnswerHost, examination: Examination, node_class: type[Node]
 ) -> None:
-    host.start(Lamp, [parameters], threads=False)
+    host.start(node_class)
     wait_until(lambda: served(examination.stage, "/lamp"))
     assert Client("/lamp", SetBool).ask(data=True).response is not None
 
 
 def test_a_node_has_met_the_checker_before_it_is_asked_or_heard(host: AnswerHost, examination: Examination) -> None:
     CountsItsMeetings.meetings = 0
-    host.start(CountsItsMeetings, [], threads=False)
+    host.start(CountsItsMeetings)
     wait_until(lambda: served(examination.stage, "/lamp/get_parameter_types"))
     meet(examination.stage, "/another")
     assert CountsItsMeetings.meetings == 0

@@ -52,8 +52,8 @@ def station(stage_domain: int) -> Iterator[Station]:
 def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(stage_domain: int, station: Station) -> None:
     with contextlib.closing(AnswerHost(stage_domain)) as host:
         with pytest.raises(NameError, match="ten") as raised:  # and not what its destroy_node() raises
-            host.start(HalfMade, [], threads=False)
-        host.start(Whole, [], threads=False)
+            host.start(HalfMade)
+        host.start(Whole)
         del raised
         gc.collect()  # a half-made node that is still there goes now, and takes what is announced under its name along
         assert [end.node_name for end in wait_until(lambda: station.publishers("/words"))] == ["sayer"]
@@ -62,10 +62,10 @@ def test_a_half_made_node_is_not_mixed_up_with_the_next_of_its_name(stage_domain
 
 def test_a_node_of_an_earlier_check_is_not_taken_for_the_answer_s(examination: Examination) -> None:
     with contextlib.closing(AnswerHost(examination.stage.domain)) as host:
-        host.start(Whole, [], threads=False)
+        host.start(Whole)
         before = wait_until(examination.stage.their_nodes)
         with contextlib.closing(AnswerHost(examination.stage.domain)) as later:
-            coming = threading.Timer(2 * ARRIVAL_TIMEOUT, later.start, [Other, []], {"threads": False})
+            coming = threading.Timer(2 * ARRIVAL_TIMEOUT, later.start, [Other])
             coming.start()
             expect_node("/other", before)
             coming.join()
