@@ -186,12 +186,12 @@ class Station:
 
     def their_nodes(self) -> list[str]:
         """The answer's nodes, or all that are not the checker's, by their full names; hidden ones not."""
-        there = [n.full_name for n in graph.nodes(self.node) if n.full_name not in self.mine]
-        if not (self._examined or self._processes):
-            return there
-        announced = [one for one in self.discovery.announced() if self.counts(one.participant)]
-        names = {graph.NodeName(*node).full_name for one in announced for node in one.nodes}
-        return [name for name in there if name in names]
+        if self._examined or self._processes:
+            announced = [one for one in self.discovery.announced() if self.counts(one.participant)]
+            there = [graph.NodeName(*node) for one in announced for node in one.nodes]
+        else:
+            there = graph.nodes(self.node)
+        return sorted(n.full_name for n in there if n.full_name not in self.mine and not graph.is_hidden(n.full_name))
 
     def publishers(self, topic: str) -> list[Any]:
         """The publishers of a topic that count."""

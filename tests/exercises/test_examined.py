@@ -1,0 +1,209 @@
+"""Only what was examined counts, in whatever legal style a student has written it."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.lifecycle import LifecycleNode
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import SetBool
+
+from course_kit.examining.answer_host import AnswerHost
+from course_kit.examining.examination import Ended, Examination
+from course_kit.examining.vocabulary import expect
+from course_kit.examining.vocabulary_services import expect_service
+from course_kit.examining.vocabulary_topics import expect_topic, listen
+from course_kit.spinning import context as ros_context
+from course_kit.spinning.executors import SpinThread
+from tests.waiting import wait_until
+
+TOKEN = "t"
+
+
+class Empty(Node):
+    def __init__(self) -> None:
+        super().__init__("talker")
+
+
+class Talker(Node):
+    def __init__(self) -> None:
+        super().__init__("talker")
+        self.words = self.create_publisher(String, "words", 10)
+        self.create_timer(0.05, lambda: self.words.publish(String(data="mine")))
+
+
+class PlainInit(Node):
+    def __init__(self) -> None:
+        Node.__init__(self, "talker")
+        self.words = self.create_publisher(String, "words", 10)
+        self.create_timer(0.05, lambda: self.words.publish(String(data="mine")))
+
+
+class Named:
+    def __init__(self, *args: object, **kwargs: object) -> None:
+        super().__init__("talker", *args, **kwargs)  # type: ignore[call-arg]
+        self.words = self.create_publisher(String, "words", 10)  # type: ignore[attr-defined]
+        self.create_timer(0.05, self.tick)  # type: ignore[attr-defined]
+
+    def tick(self) -> None:
+        self.words.publish(String(data="mine"))
+
+
+class Mixed(Named, Node):
+    pass
+
+
+class Managed(LifecycleNode):
+    def __init__(self) -> None:
+        super().__init__("talker")
+        self.words = self.create_publisher(String, "words", 10)
+        self.create_timer(0.05, lambda: self.words.publish(String(data="mine")))
+
+
+class WithAHelper(Node):
+    """What speaks is a second node, spun by an executor and a thread of the class's own."""
+
+    def __init__(self) -> None:
+        super().__init__("talker")
+        self.beside = Node("beside")
+        self.words = self.beside.create_publisher(String, "words", 10)
+        self.beside.create_timer(0.05, lambda: self.words.publish(String(data="mine")))
+        self.own_executor = SingleThreadedExecutor()
+        self.own_executor.add_node(self.beside)
+        self.thread = threading.Thread(target=self.own_executor.spin, daemon=True)
+        self.thread.start()
+
+    def destroy_node(self) -> None:
+        self.own_executor.shutdown(1.0)
+        self.thread.join(1.0)
+        super().destroy_node()
+
+
+class FromAThread(Node):
+    def __init__(self) -> None:
+        super().__init__("talker")
+        self.words = self.create_publisher(String, "words", 10)
+        self.done = threading.Event()
+        threading.Thread(target=self.speak, daemon=True).start()
+
+    def speak(self) -> None:
+        while rclpy.ok() and not self.done.wait(0.05):
+            self.words.publish(String(data="mine"))
+
+    def destroy_node(self) -> None:
+        self.done.set()
+        super().destroy_node()
+
+
+class Serves(Node):
+    def __init__(self) -> None:
+        super().__init__("lamp")
+        self.create_service(SetBool, "lamp", lambda _, response: response)
+
+
+@pytest.fixture
+def host(examination: Examination) -> Iterator[AnswerHost]:
+    with contextlib.closing(AnswerHost(examination.stage.domain)) as host:
+        yield host
+
+
+@pytest.fixture
+def stranger(examination: Examination) -> Iterator[Node]:
+    """A node of another context on the stage, that says what the answer should say."""
+    context = ros_context.separate(examination.stage.domain, "LOCALHOST")
+    node = Node("talker", context=context, enable_rosout=False)
+    words = node.create_publisher(String, "words", 10)
+    node.create_timer(0.02, lambda: words.publish(String(data="a stranger's")))
+    spinning = SpinThread(node, print, SingleThreadedExecutor(context=context)).start()
+    yield node
+    spinning.close()
+    context.try_shutdown()
+
+
+def examine(host: AnswerHost, examination: Examination, node_class: type[Node]) -> None:
+    host.start(node_class, TOKEN)
+    assert examination.stage.examine(f"_stage_{TOKEN}", 5.0)
+
+
+@pytest.mark.parametrize("node_class", [Talker, PlainInit, Mixed, Managed, WithAHelper, FromAThread])
+def test_every_legal_style_is_examined(
+    host: AnswerHost, examination: Examination, stranger: Node, node_class: type[Node]
+) -> None:
+    examine(host, examination, node_class)
+    wait_until(lambda: "/talker" in examination.stage.their_nodes())
+    expect_topic("/words", String)
+    heard = listen("/words", String)
+    wait_until(lambda: len(heard) > 5)
+    assert {message.data for message in heard.messages} == {"mine"}
+    assert heard.received > len(heard)
+
+
+def test_what_another_context_says_does_not_count(host: AnswerHost, examination: Examination, stranger: Node) -> None:
+    examine(host, examination, Empty)
+    wait_until(lambda: examination.stage.their_nodes() == ["/talker"])
+    heard = listen("/words", String)
+    wait_until(lambda: heard.received > 20)
+    assert len(heard) == 0
+    with pytest.raises(Ended):
+        expect_topic("/words", String)
+
+
+def test_a_service_that_a_stranger_offers_too_is_no_answer(
+    host: AnswerHost, examination: Examination, stranger: Node
+) -> None:
+    examine(host, examination, Serves)
+    wait_until(lambda: examination.stage.their_nodes() == ["/lamp"])
+    client = expect_service("/lamp", SetBool)
+    assert client.ask(data=True).response is not None
+    assert expect("alone", True, "")
+    stranger.create_service(SetBool, "/lamp", lambda _, response: response)
+    wait_until(lambda: examination.stage.strangers("rq/lampRequest"))
+    with pytest.raises(Ended):
+        expect("no longer", True, "")
+    assert "/talker of another process or context" in examination.findings[-1].hint
+
+
+def test_the_stage_looks_like_the_domain_of_the_notebook(host: AnswerHost) -> None:
+    seen: list[int] = []
+
+    class Looks(Node):
+        def __init__(self) -> None:
+            super().__init__("looks")
+            seen.append(self.context.get_domain_id())
+            seen.append(rclpy.get_default_context().get_domain_id())
+
+    host.start(Looks, TOKEN)
+    assert seen == [rclpy.get_default_context().get_domain_id()] * 2
+    assert host.domain not in seen
+
+
+@pytest.mark.parametrize(
+    ("blocks", "threads", "wanted"),
+    [(False, None, False), (True, None, True), (True, False, False), (False, True, True)],
+)
+def test_the_executor_is_the_one_that_the_node_needs(
+    host: AnswerHost, blocks: bool, threads: bool | None, wanted: bool
+) -> None:
+    class Counts(Node):
+        def __init__(self) -> None:
+            super().__init__("counts")
+            execute = self.execute if blocks else self.execute_async
+            self.server = ActionServer(self, Fibonacci, "count", execute, callback_group=ReentrantCallbackGroup())
+
+        def execute(self, goal: object) -> Fibonacci.Result:
+            return Fibonacci.Result()
+
+        async def execute_async(self, goal: object) -> Fibonacci.Result:
+            return Fibonacci.Result()
+
+    host.start(Counts, TOKEN, threads)
+    assert isinstance(host.node.executor, MultiThreadedExecutor) == wanted
