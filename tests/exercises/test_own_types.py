@@ -1,4 +1,4 @@
-"""The checker's own types: compiled once a user, the same as what the exercises ask for, none from a workspace."""
+"""The checker's own types: compiled once, the same as what the exercises ask for, none from a workspace."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from course_kit.examining import own_types
 from tests.kernel import Kernel
 
 USE = """
+import pathlib, sys
 from course_kit.examining import own_types
+own_types.base = lambda: pathlib.Path(sys.argv[1])
 own_types.provide("my_interfaces")
 from my_interfaces.action import Polygon
 print(Polygon.Goal().sides)
@@ -21,13 +23,15 @@ print(Polygon.Goal().sides)
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    return tmp_path / own_types.FOLDER
+    folder = tmp_path / "kept"
+    monkeypatch.setattr(own_types, "base", lambda: folder)
+    return folder
 
 
 def test_types_are_compiled_once(cache: Path):
     assert not own_types.is_ready("my_interfaces")
-    used = [subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, timeout=180) for _ in range(2)]
+    command = [sys.executable, "-c", USE, str(cache)]
+    used = [subprocess.run(command, capture_output=True, text=True, timeout=180) for _ in range(2)]
     assert [one.stdout for one in used] == ["5\n", "5\n"], used[0].stderr
     assert own_types.is_ready("my_interfaces")
     assert sorted(path.suffix for path in cache.iterdir()) == ["", ".lock"]
