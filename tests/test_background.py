@@ -15,6 +15,7 @@ from example_interfaces.srv import AddTwoInts
 from rclpy.action import ActionServer, get_action_names_and_types
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions, get_current_signal_handlers_options
 from rclpy.task import Future
@@ -446,6 +447,13 @@ def test_a_stopped_action_server_leaves_the_graph(destroys_it):
     stop(Counter)
     wait_for(lambda: "counter" not in talker.get_node_names())
     assert "/count" not in dict(get_action_names_and_types(talker))
+
+
+def test_a_stopped_lifecycle_node_leaves_the_graph():
+    talker, kept = run(Talker), run(LifecycleNode, "managed")
+    wait_for(lambda: "managed" in talker.get_node_names())
+    stop(kept)
+    wait_for(lambda: "managed" not in talker.get_node_names())
 
 
 def test_running_stops_its_nodes_at_the_end_of_the_block():

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Collection, Iterator
 
 import pytest
 from rclpy.node import Node
 
+from course_kit.examining import node_log
 from course_kit.examining.node_log import NodeLog
 from course_kit.examining.station import Station
 from course_kit.spinning import context
@@ -55,6 +57,30 @@ def test_lines_said_before_the_log_was_opened_are_in_it(station):
     assert texts(log, talker_publishers(station)) == ["early"]
     assert log.lines("nobody") == []
     early.destroy_node()
+
+
+def test_lines_of_a_child_logger_are_the_nodes_and_those_of_a_longer_name_are_not(station):
+    log = station.node_log()
+    talker, other = Node("talker"), Node("talkers")
+    talker.get_logger().get_child("details").info("of a child")
+    other.get_logger().info("of another")
+    wait_until(lambda: log.lines("talker") and log.lines("talkers") and talker_publishers(station))
+    assert texts(log, talker_publishers(station)) == ["of a child"]
+    talker.destroy_node()
+    other.destroy_node()
+
+
+def test_what_a_node_said_first_is_kept_however_much_is_said_after_it(station, monkeypatch):
+    monkeypatch.setattr(node_log, "FIRST", 3)
+    log = station.node_log()
+    log._lines = deque(maxlen=5)
+    talker = Node("talker")
+    wait_until(lambda: talker_publishers(station))
+    for number in range(20):
+        talker.get_logger().info(str(number))
+    wait_until(lambda: texts(log, talker_publishers(station))[-1:] == ["19"])
+    assert texts(log, talker_publishers(station)) == [str(number) for number in (0, 1, 2, 15, 16, 17, 18, 19)]
+    talker.destroy_node()
 
 
 def test_every_line_comes_and_in_its_order(station):

@@ -21,7 +21,8 @@ from course_kit.examining.channel import Channel, Closed, Message
 from course_kit.examining.domains import reserve_stage
 from course_kit.examining.examination import WORKSPACE, Ended, Examination, OutOfTime
 from course_kit.examining.exercise import Exercise
-from course_kit.examining.station import Heard, Station
+from course_kit.examining.lookout import Lookout
+from course_kit.examining.station import Station
 from course_kit.examining.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 
 DISCOVERY_TIMEOUT = 3.0
@@ -42,7 +43,7 @@ class Checker:
         threading.Thread(target=self._read, name="requests", daemon=True).start()
         self.student = Station(None, only_here=False)
         self.stage = Station(reserve_stage(), only_here=True)
-        self._watched: dict[str, Heard] = {}
+        self._lookout = Lookout(self.student)
 
     def _read(self) -> None:
         """Receive in a thread of its own, so that the notebook's end is seen whatever a check does."""
@@ -62,6 +63,7 @@ class Checker:
             except Closed:
                 break
         self.stage.close()
+        self._lookout.close()
         self.student.close()
 
     def _answer_to(self, request: Message) -> Message:
@@ -78,7 +80,9 @@ class Checker:
 
     def examine(self, exercise: Exercise, value: Any, folder: str, seed: int) -> Verdict:
         """Check one exercise; `folder` is the notebook's, `seed` that of all that is drawn."""
-        running = Examination(exercise, self.stage, self.student, self._watched, self._order, Path(folder), seed)
+        running = Examination(
+            exercise, self.stage, self.student, self._lookout.watched, self._order, Path(folder), seed
+        )
         state, note, drawn = LOOKED_AT, "", running.random.getstate()
         examination.begin(running)
         _watch_over(exercise.timeout + WATCHDOG)
@@ -105,9 +109,12 @@ class Checker:
             traceback.print_exc()
         finally:
             _watch_over(0.0)
+            own_errors = [*self.stage.errors, *self.student.errors]
             examination.begin(None)
             self._tidy(running)
         findings = tuple(running.findings) if state == LOOKED_AT else ()
+        if own_errors and not all(found.ok for found in findings):
+            note = f"A part of the check itself failed, which may be why: {own_errors[0]!r}"
         has_drawn = state == LOOKED_AT and running.random.getstate() != drawn
         shown = seed if has_drawn else None
         return Verdict(exercise.name, exercise.title, exercise.points, state, findings, note, shown)
@@ -141,12 +148,13 @@ class Checker:
     def _provide_types(self, running: Examination) -> None:
         """Have the types that the check speaks; its time begins after that."""
         for package in running.exercise.types:
-            is_ready = own_types.is_ready(package)
+            texts = own_types.own_texts(package, running.folder / WORKSPACE)
+            is_ready = own_types.is_ready(package, texts)
             if not is_ready:
                 says = f"The checker compiles {package} for itself. It does so once, in about ten seconds."
                 self._channel.send({"begun": own_types.COMPILE_TIMEOUT, "says": says})
                 _watch_over(own_types.COMPILE_TIMEOUT)
-            own_types.provide(package)
+            own_types.provide(package, texts)
             if not is_ready:
                 self._channel.send({"begun": running.exercise.timeout})
                 running.begin_again()
@@ -155,11 +163,11 @@ class Checker:
     def _watch(self, chapter: str) -> None:
         """Listen to what the chapter's exercises watch, from now on."""
         for exercise in exercises.of_chapter(chapter):
-            for topic in sorted(exercise.watches.keys() - self._watched.keys()):
+            for topic, message_type in exercise.watches.items():
                 if topic == LOG_TOPIC:
                     self.student.node_log()
                 else:
-                    self._watched[topic] = self.student.listen(topic, exercise.watches[topic], keep=True)
+                    self._lookout.watch(topic, message_type)
 
     def _order(self, order: Message, timeout: float) -> dict[str, Any]:
         """Have the notebook do something. Raises Closed if it has gone."""

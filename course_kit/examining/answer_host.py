@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import contextvars
 import threading
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
@@ -56,6 +57,7 @@ class AnswerHost:
         self._keeper: Node | None = None
         self._spinning: SpinThread | None = None
         self._made: list[Node] = []
+        self._as_made = contextvars.copy_context()
         self.errors: list[str] = []  # what the callbacks of the node raised
 
     def start(self, node_class: type[Node], token: str = "", threads: bool | None = False) -> None:
@@ -79,6 +81,7 @@ class AnswerHost:
                     threads = any(map(blocks, actions_of(node)))
                 executor = MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else None
                 name = node.get_fully_qualified_name()
+                self._as_made = contextvars.copy_context()
                 self._spinning = SpinThread(node, lambda error: self._note(name, error), executor).start()
         finally:
             _default.reset(entered)
@@ -106,6 +109,15 @@ class AnswerHost:
         if self._spinning is None:
             raise RuntimeError("there is no node on the stage")
         return self._spinning.node
+
+    def call(self, method: str, arguments: Sequence[Any]) -> Any:
+        """Call a method of the student's node; what that makes is on the stage, too."""
+        return self._as_made.copy().run(getattr(self.node, method), *arguments)
+
+    @property
+    def clients(self) -> list[Any]:
+        """The clients of the student's node, and of those that it made beside it."""
+        return [client for node in self._made for client in node.clients]
 
     def stop(self) -> None:
         """Stop and destroy the node."""
@@ -190,14 +202,18 @@ def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
         case "stop":
             host.stop()
         case "call":
-            return as_json(getattr(host.node, order["method"])(*order["arguments"]))
+            return as_json(host.call(order["method"], order["arguments"]))
         case "read":
             return as_json(getattr(host.node, order["attribute"]))
-        case "pending":  # how many calls of the node's clients still wait for an answer
+        case "pending":  # how many calls of its clients still wait for an answer
             with going_on_without("a check does not see calls that still wait for an answer"):
-                return sum(len(pending_requests(client)) for client in host.node.clients)
-        case "ready":  # whether each of the node's clients has found a server
-            return all(client.service_is_ready() for client in host.node.clients)
+                # One that is done goes when its executor spins again.
+                return sum(not future.done() for client in host.clients for future in pending_requests(client))
+        case "ready":  # whether each of its clients has found a server
+            return all(client.service_is_ready() for client in host.clients)
+        case "group":  # the kind of callback group that a service of the node is in
+            services = [each for each in host.node.services if each.service_name == order["service"]]
+            return type(services[0].callback_group).__name__ if services else None
         case "errors":  # what the callbacks of the node raised
             return list(host.errors)
     return None

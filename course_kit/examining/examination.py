@@ -11,7 +11,8 @@ from random import Random
 from typing import Any
 
 from course_kit.examining.exercise import Exercise
-from course_kit.examining.station import Heard, Station
+from course_kit.examining.lookout import Watched
+from course_kit.examining.station import Station
 from course_kit.examining.verdict import Finding
 from course_kit.polling import wait_until
 
@@ -41,7 +42,7 @@ class Examination:
     exercise: Exercise
     stage: Station  # in a domain of the checker's, where a student's class is made anew
     student: Station  # in the domain in which the student's nodes run
-    watched: dict[str, Heard]  # what was heard in the student's domain since the chapter's first check, by topic
+    watched: dict[str, Watched]  # what was heard in the student's domain since the chapter's first check, by topic
     send_order: Callable[[dict[str, Any], float], dict[str, Any]]
     folder: Path = Path("/")  # the kernel's; then the notebook's
     seed: int = 0  # of all that the check draws
@@ -67,7 +68,9 @@ class Examination:
         if strangers := self.stage.strangers(*self.only_for_the_answer):
             self._refuse(strangers)
         holds = bool(ok)
-        self.findings.append(Finding(text, holds, "" if holds else self._with_errors(hint), points))
+        finding = Finding(text, holds, "" if holds else self._with_errors(hint), points)
+        if points or not holds or finding not in self.findings:  # what must hold for each of two nodes is said once
+            self.findings.append(finding)
         if not holds and (needed or points == 0):
             raise Ended
         return holds

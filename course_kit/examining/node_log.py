@@ -6,6 +6,7 @@ come and go. Each node has a publisher of its own for /rosout, and each line com
 
 from __future__ import annotations
 
+import itertools
 import threading
 import time
 from collections import deque
@@ -23,6 +24,7 @@ from course_kit.internals.rmw_parts import SerializedSubscription, is_fast_dds
 TOPIC = "rt/rosout"  # /rosout, as the middleware spells it
 DEPTH = 10_000
 KEPT = 20_000  # lines
+FIRST = 200  # lines of each node that are kept besides, however much is logged after them
 
 
 class Line(NamedTuple):
@@ -34,9 +36,10 @@ class Line(NamedTuple):
 
 
 class NodeLog:
-    """The last 20,000 lines that were logged, also those that were logged shortly before. close() it in the end."""
+    """The first lines of each node and the last 20,000, also those logged shortly before. close() it in the end."""
 
     def __init__(self, node: Node) -> None:
+        self._first: dict[bytes, list[Line]] = {}  # by publisher
         self._lines: deque[Line] = deque(maxlen=KEPT)
         self._lock = threading.Lock()
         # Cyclone DDS calls the sender of a message otherwise than the endpoint in the graph: there the name must do.
@@ -50,24 +53,35 @@ class NodeLog:
             node.create_subscription(Log, "/rosout", self._keep, qos)
 
     def _keep(self, message: Log) -> None:
-        self._lines.append(Line(time.time_ns(), b"", message))
+        with self._lock:
+            self._note(Line(time.time_ns(), b"", message))
+
+    def _note(self, line: Line) -> None:
+        first = self._first.setdefault(line.publisher, [])
+        (first if len(first) < FIRST else self._lines).append(line)
 
     def take(self) -> None:
         """Take what has come."""
         with self._lock:
             while self._subscription is not None and (sample := self._subscription.take()) is not None:
                 message = deserialize_message(sample.data, Log)
-                self._lines.append(Line(sample.received, sample.publisher, message))
+                self._note(Line(sample.received, sample.publisher, message))
 
     def lines(self, logger: str) -> list[Line]:
-        """What came under a logger's name so far."""
+        """What came under the name of a logger or of a child of it so far."""
         self.take()
         with self._lock:
-            return [line for line in self._lines if line.message.name == logger]
+            kept = itertools.chain(*self._first.values(), self._lines)
+            lines = [line for line in kept if f"{line.message.name}.".startswith(f"{logger}.")]
+        return sorted(lines, key=lambda line: line.received)
+
+    def lines_by(self, publishers: Collection[bytes], logger: str) -> list[Line]:
+        """The lines of a logger and its children that came from these publishers."""
+        return [line for line in self.lines(logger) if self._by_name or line.publisher in publishers]
 
     def said_by(self, publishers: Collection[bytes], logger: str) -> list[Any]:
-        """The messages under a logger's name that came from these publishers."""
-        return [line.message for line in self.lines(logger) if self._by_name or line.publisher in publishers]
+        """The messages of these lines."""
+        return [line.message for line in self.lines_by(publishers, logger)]
 
     def close(self) -> None:
         """End the subscription; before the node is destroyed."""

@@ -1,7 +1,8 @@
 """Types of the checker's own for exercises about types that a student builds: compiled once, then kept.
 
 The checker loads nothing from a student's workspace. A package of the same definitions speaks with the student's, as
-DDS compares names only. What is compiled lies with the course's own files, which an answer has no business with.
+DDS compares names only, if the fields have the same order: where a task leaves that open, the checker's own text is
+rearranged. What is compiled lies with the course's own files, which an answer has no business with.
 """
 
 from __future__ import annotations
@@ -19,8 +20,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
+from course_kit.colcon import overlay, regular_files
+from course_kit.examining.definitions import arranged
 from course_kit.interfaces import rosidl
 
 HERE = Path(__file__).parents[1]
@@ -30,6 +34,7 @@ DEFINITIONS = {
     "robot_interfaces": (HERE / "exercises/robot_interfaces", ("msg/Battery.msg", "srv/Recharge.srv")),
 }
 COMPILE_TIMEOUT = 120.0
+RELOAD = "{package} has its fields in another order now. Restart the kernel, as for your own"
 FOLDER = "share/course_kit/checker_types"
 
 
@@ -37,34 +42,58 @@ class Uncompiled(RuntimeError):  # noqa: N818  (reads as what happened)
     """The types could not be compiled; its text says why."""
 
 
-def is_ready(package: str) -> bool:
-    """Whether a package is compiled."""
-    return _folder(package).is_dir()
+Texts = Mapping[str, str]  # definitions by their file
 
 
-def provide(package: str) -> None:
+def own_texts(package: str, workspace: Path | None = None) -> Texts:
+    """The definitions that a package is compiled from; with their fields in the order that a workspace has installed.
+
+    What is installed there counts as far as it says the same otherwise.
+    """
+    source, files = DEFINITIONS[package]
+    texts = {file: (source / file).read_text() for file in files}
+    if workspace is None:
+        return texts
+    share = overlay.prefix_of(workspace, package) / "share" / package
+    return {file: _in_order(regular_files.text_of(share / file) or "", text) for file, text in texts.items()}
+
+
+def _in_order(installed: str, text: str) -> str:
+    ordered = arranged(installed, text)
+    return text if ordered in (None, arranged(text, text)) else str(ordered)
+
+
+def is_ready(package: str, texts: Texts | None = None) -> bool:
+    """Whether a package is compiled; unless given, from the course's own definitions."""
+    return _folder(package, texts or own_texts(package)).is_dir()
+
+
+def provide(package: str, texts: Texts | None = None) -> None:
     """Have a package importable; compiles it if need be, which takes some ten seconds. Raises Uncompiled."""
-    folder = _folder(package)
+    texts = texts or own_texts(package)
+    folder = _folder(package, texts)
     if not folder.is_dir():
         try:
             folder.parent.mkdir(parents=True, exist_ok=True)
             with open(folder.with_suffix(".lock"), "w") as lock:
                 fcntl.flock(lock, fcntl.LOCK_EX)  # two notebooks may need it at the same time
                 if not folder.is_dir():
-                    _compile(package, folder)
+                    _compile(package, texts, folder)
         except OSError as error:
             raise Uncompiled(f"the types of {package} cannot be kept in {folder.parent}: {error.strerror}") from None
+    loaded = getattr(sys.modules.get(package), "__file__", None)
+    if loaded and not Path(loaded).is_relative_to(folder):  # its libraries stay as long as the process
+        raise Uncompiled(RELOAD.format(package=package))
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
         importlib.invalidate_caches()
 
 
-def _folder(package: str) -> Path:
+def _folder(package: str, texts: Texts) -> Path:
     """Named by all that decides what the compiler makes."""
-    source, files = DEFINITIONS[package]
     prefix = rosidl.ros_prefix()
     parts = [
-        *(f"{name}\n{(source / name).read_text()}" for name in files),
+        *(f"{name}\n{text}" for name, text in texts.items()),
         Path(str(rosidl.__file__)).read_text(),
         (prefix / "share/rosidl_generator_py/package.xml").read_text(),
         f"{prefix} {sys.implementation.cache_tag} {platform.machine()} {importlib.metadata.version('numpy')}",
@@ -86,13 +115,12 @@ def base() -> Path:
     return Path(own)
 
 
-def _compile(package: str, folder: Path) -> None:
+def _compile(package: str, texts: Texts, folder: Path) -> None:
     """Compile into a folder that then gets its name: it is there as a whole, or not at all."""
-    source, files = DEFINITIONS[package]
     with tempfile.TemporaryDirectory(dir=folder.parent) as work:
-        for name in files:
+        for name, text in texts.items():
             (copy := Path(work, package, name)).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(source / name, copy)
+            copy.write_text(text)
         # In a process of its own: the generators fork, which one with threads must not.
         command = [sys.executable, "-I", "-m", "course_kit.examining.own_types", package, work]
         done: subprocess.CompletedProcess[str] | None = None

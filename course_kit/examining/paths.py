@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
+STAR_STEP = math.radians(2)  # from one direction that is tried to the next
 Point = tuple[float, float]
 Poses = Sequence[Any]  # turtlesim/msg/Pose, or what has its x and y (metres) and theta (radians)
 
@@ -28,23 +32,6 @@ def headings(poses: Poses) -> list[float]:
     return list(accumulate(turns, initial=0.0))
 
 
-@dataclass(frozen=True)
-class Loop:
-    """A part of a path that turns one way: radians, to the left positive, and metres."""
-
-    turned: float
-    length: float
-
-
-def two_loops(poses: Poses) -> tuple[Loop, Loop]:
-    """The path cut where the heading is farthest from where it began."""
-    turned = headings(poses)
-    cut = max(range(len(turned)), key=lambda place: abs(turned[place]))
-    first = Loop(turned[cut], length(poses[: cut + 1]))
-    second = Loop(turned[-1] - turned[cut], length(poses[cut:]))
-    return first, second
-
-
 def longest_jump(poses: Poses) -> float:
     """The longest way between two poses that follow each other, metres."""
     return max((math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses)), default=0.0)
@@ -53,6 +40,29 @@ def longest_jump(poses: Poses) -> float:
 def top_speed(poses: Poses) -> float:
     """The greatest `linear_velocity` of a path, m/s."""
     return max((pose.linear_velocity for pose in poses), default=0.0)
+
+
+def carried(poses: Poses) -> float:
+    """Metres that the turtle moved without a velocity: by teleports."""
+    return sum(math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses) if b.linear_velocity == 0.0)
+
+
+def star_missed_by(poses: Poses, corner: Point, side: float) -> float:
+    """How far the path stays from the points of a star that are to be reached one after another, at most; metres.
+
+    The star begins and ends at `corner` and has lines of `side` metres: the one of them all that fits best.
+    """
+    path = np.array([(pose.x, pose.y) for pose in poses])
+    missed = math.inf
+    for first, way in itertools.product(np.arange(0.0, math.tau, STAR_STEP), (1, -1)):
+        headings = first + way * 2 * math.tau / 5 * np.arange(5)
+        points = np.array(corner) + side * np.cumsum(np.column_stack([np.cos(headings), np.sin(headings)]), axis=0)
+        # For each pose how far the worst of the points is that were reached before.
+        so_far: npt.NDArray[np.float64] = np.zeros(len(path))
+        for point in points:
+            so_far = np.minimum.accumulate(np.maximum(so_far, np.hypot(*(path - point).T)))
+        missed = min(missed, float(so_far[-1]))
+    return missed
 
 
 def nearest_approach(poses: Poses, point: Point) -> float:

@@ -27,6 +27,7 @@ from course_kit.watching.raw_subscriptions import RawSubscription, Watcher
 Made = TypeVar("Made")
 LOG_PERIOD = 0.2  # seconds between two looks at what was logged
 KEPT = 20_000  # messages of one subscription
+KEPT_CHANGES = 50_000  # of one that is listened to for hours: a turtle moves for 13 minutes in as many poses
 POLL = 0.005  # seconds
 
 
@@ -47,12 +48,12 @@ class Heard:
     def __init__(
         self, message_type: Any, topic: str = "", counts: Callable[[bytes], bool] | None = None, changes: bool = False
     ) -> None:
-        """`changes`: a message that says the same as the one before is not kept: for a topic heard for hours."""
+        """`changes`: of messages that say the same only the first and the last is kept: for a topic heard for hours."""
         self.topic = topic
-        self._type = message_type
+        self.type = message_type
         self._counts = counts or (lambda publisher: True)
         self._changes = changes
-        self._kept: deque[Arrival] = deque(maxlen=KEPT)
+        self._kept: deque[Arrival] = deque(maxlen=KEPT_CHANGES if changes else KEPT)
         self._lock = threading.Lock()
         self.received = 0  # messages in all, whoever sent them, also those that are not kept
         self.subscription: RawSubscription  # once it is listened to
@@ -62,8 +63,9 @@ class Heard:
         arrival = Arrival(info["received_timestamp"], info.get("publisher", b""), serialised)
         with self._lock:
             self.received += 1
-            if not (self._changes and self._kept and self._kept[-1][1:] == arrival[1:]):
-                self._kept.append(arrival)
+            if self._changes and len(self._kept) > 1 and self._kept[-2][1:] == self._kept[-1][1:] == arrival[1:]:
+                self._kept.pop()
+            self._kept.append(arrival)
 
     def __len__(self) -> int:
         return len(self._all())
@@ -75,7 +77,7 @@ class Heard:
         return [one for one in kept if counts[one.publisher]]
 
     def _read(self, serialised: bytes) -> Any:
-        return deserialize_message(serialised, self._type)
+        return deserialize_message(serialised, self.type)
 
     @property
     def times(self) -> list[int]:
@@ -215,20 +217,18 @@ class Station:
 
     # What lasts as long as a check.
 
-    def listen(self, topic: str, message_type: Any, keep: bool = False, own: bool = False) -> Heard:
-        """Subscribe to a topic; with the reliability of its publishers, and without what they kept for newcomers.
-
-        The answer's messages count, or with `own` the checker's. With `keep` beyond the end of the check, whoever
-        sends them.
-        """
-        qos = topics.qos_for(topic, topics.publishers(self.node, topic))
-        qos.durability = DurabilityPolicy.VOLATILE
-        counts = None if keep else self.is_own if own else self.counts
-        heard = Heard(message_type, topic, counts, changes=keep)
-        heard.subscription = self._watcher.subscribe(topic, message_type, qos, heard.receive)
-        if not keep:
-            self._check.callback(heard.subscription.close)
+    def listen(self, topic: str, message_type: Any, own: bool = False) -> Heard:
+        """Hear a topic for the length of the check. The answer's messages count, or with `own` the checker's."""
+        heard = Heard(message_type, topic, self.is_own if own else self.counts)
+        self.subscribe(heard)
+        self._check.callback(heard.subscription.close)
         return heard
+
+    def subscribe(self, heard: Heard) -> None:
+        """Have it hear its topic: with the reliability of its publishers, without what they kept for newcomers."""
+        qos = topics.qos_for(heard.topic, topics.publishers(self.node, heard.topic))
+        qos.durability = DurabilityPolicy.VOLATILE
+        heard.subscription = self._watcher.subscribe(heard.topic, heard.type, qos, heard.receive)
 
     def node_log(self) -> NodeLog:
         """What the nodes log, from the first call on."""

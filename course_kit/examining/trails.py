@@ -1,72 +1,114 @@
-"""What a turtle of the checker's has painted: the lines of a star, their width, and what is beside them. No ROS."""
+"""What the turtles of a checker's world draw: line by line, and what there is of a star. No ROS."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image, ImageDraw
 
 from course_kit.examining.paths import Point, star
-from course_kit.turtlesim.field import EXTENT, METER, MIDDLE, SIZE
+from course_kit.turtlesim.field import EXTENT, MIDDLE
 
 YELLOW = (255, 255, 0)
 RADIUS = 4.0  # metres
-SAMPLES = 40  # of a line
-TOLERANCE = 9  # pixels beside a line that still count as on it
+NEAR = 0.15  # metres from where a line should be that still count as on it
+STRAY = 0.25  # metres from every line from which on something else is drawn
+LIFTED = 1.0  # metres from the end of one line to the beginning of the next from which on the pen was lifted
+STEP = 0.05  # metres between two points of a line that are looked at
+LINES = list(pairwise(star((MIDDLE, MIDDLE), RADIUS)))
+LENGTH = sum(math.dist(*line) for line in LINES)
+Points = npt.NDArray[np.float64]  # one a row
+
+
+class Line(NamedTuple):
+    """A line that was drawn: metres, with y upwards."""
+
+    start: Point
+    end: Point
+    color: tuple[int, int, int]
+    width: int  # pixels
+
+
+class Place(NamedTuple):
+    """Where a turtle is: metres, radians."""
+
+    x: float
+    y: float
+    theta: float
+
+
+def place(world: Any) -> Place | None:
+    """Where turtle1 of a world is; None if there is none."""
+    turtle = world.turtles.get("turtle1")
+    return None if turtle is None else Place(turtle.x, EXTENT - turtle.depth, turtle.theta)
+
+
+class Drawing:
+    """The lines that are drawn in a world from now on."""
+
+    def __init__(self, world: Any) -> None:
+        self.lines: list[Line] = []
+        self._draw_line = world.field.draw_line
+        world.field.draw_line = self._note
+
+    def _note(self, start: Point, end: Point, color: tuple[int, int, int], width: int) -> None:
+        self.lines.append(Line((start[0], EXTENT - start[1]), (end[0], EXTENT - end[1]), color, width))
+        self._draw_line(start, end, color, width)
 
 
 @dataclass(frozen=True)
 class StarSeen:
-    """What there is of a star."""
+    """What there is of the star."""
 
-    complete: int  # lines, of 5
-    width: int  # pixels, of the level line
-    elsewhere: int  # painted pixels that are not near a line
+    complete: int  # lines, of 5, in whatever colour
+    yellow: int  # of these
+    widths: tuple[int, ...]  # pixels, of what was drawn of it
+    strokes: int  # 1 if the pen was never lifted on the way
+    again: float  # metres of it that were drawn twice
+    elsewhere: float  # metres that were drawn beside it
 
 
-def _pixel(point: Point) -> tuple[int, int]:
-    return round(point[0] * METER), round((EXTENT - point[1]) * METER)
-
-
-def star_seen(turtlesim: Any) -> StarSeen:
-    """Look at the trails of a TurtleSim of this process."""
-    pixels = np.asarray(turtlesim.world.scene().trails)
-    painted = pixels[..., 3] > 0
-    yellow = painted & (pixels[..., :3] == YELLOW).all(axis=-1)
-    lines = list(pairwise(star((MIDDLE, MIDDLE), RADIUS)))
-    (left, y), (right, _) = lines[2]  # the level one, from 18° to 162°
-    x, y = _pixel(((left + right) / 2, y))
-    near = Image.new("L", (SIZE, SIZE), 0)
-    draw = ImageDraw.Draw(near)
-    for a, b in lines:
-        draw.line((*_pixel(a), *_pixel(b)), 255, 2 * TOLERANCE)
-        for end in (a, b):
-            draw.circle(_pixel(end), TOLERANCE, 255)
+def star_seen(lines: Sequence[Line]) -> StarSeen:
+    """Look at lines in the order in which they were drawn."""
+    parts = [_points_on(line.start, line.end) for line in lines]
+    off = [_distances(part, LINES) for part in parts]
+    of_star = [line for line, away in zip(lines, off, strict=True) if away.max() <= NEAR and line.start != line.end]
+    drawn = [(line.start, line.end) for line in of_star]
+    yellow = [(line.start, line.end) for line in of_star if line.color == YELLOW]
     return StarSeen(
-        complete=sum(_is_painted(yellow, *line) for line in lines),
-        width=int(yellow[y - 15 : y + 16, x + 3].sum()),
-        elsewhere=int((painted & (np.asarray(near) == 0)).sum()),
+        complete=_complete(drawn),
+        yellow=_complete(yellow),
+        widths=tuple(sorted({line.width for line in of_star})),
+        strokes=sum(math.dist(before.end, after.start) > LIFTED for before, after in pairwise(of_star)) + bool(of_star),
+        again=max(0.0, sum(math.dist(*line) for line in drawn) - LENGTH),
+        elsewhere=sum(
+            math.dist(line.start, line.end) * float((away > STRAY).mean())
+            for line, away in zip(lines, off, strict=True)
+        ),
     )
 
 
-def _is_painted(yellow: npt.NDArray[np.bool_], a: Point, b: Point) -> bool:
-    """Whether a line is yellow nearly everywhere, within a pixel or three of where it should be."""
-    hits = 0
-    for part in np.arange(1, SAMPLES) / SAMPLES:
-        x, y = _pixel((a[0] + (b[0] - a[0]) * part, a[1] + (b[1] - a[1]) * part))
-        hits += bool(yellow[max(0, y - 3) : y + 4, max(0, x - 3) : x + 4].any())
-    return hits >= 0.95 * (SAMPLES - 1)
+def _complete(drawn: Sequence[tuple[Point, Point]]) -> int:
+    """How many lines of the star have something drawn near them all along."""
+    return sum(bool(drawn) and bool((_distances(_points_on(*line), drawn) <= NEAR).all()) for line in LINES)
 
 
-def distance_to_end(turtlesim: Any) -> float:
-    """Metres from turtle1 to where the star ends."""
-    turtle = turtlesim.world.turtles.get("turtle1")
-    if turtle is None:
-        return math.inf
-    end = star((MIDDLE, MIDDLE), RADIUS)[-1]
-    return math.dist((turtle.x, EXTENT - turtle.depth), end)
+def _points_on(start: Point, end: Point) -> Points:
+    shares = np.linspace(0.0, 1.0, max(2, math.ceil(math.dist(start, end) / STEP) + 1))[:, None]
+    return np.asarray(start) * (1 - shares) + np.asarray(end) * shares
+
+
+def _distances(points: Points, lines: Sequence[tuple[Point, Point]]) -> npt.NDArray[np.float64]:
+    """Metres from each point to the nearest of some lines."""
+    nearest = np.full(len(points), np.inf)
+    for start, end in lines:
+        along = np.subtract(end, start)
+        length = float(along @ along)
+        share = np.clip((points - start) @ along / length, 0.0, 1.0) if length else np.zeros(len(points))
+        nearest = np.minimum(nearest, np.hypot(*(points - start - share[:, None] * along).T))
+    return nearest

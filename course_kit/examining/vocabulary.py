@@ -81,6 +81,17 @@ def a_turtle(period: float = TICK) -> TurtleSim:
     return turtlesim
 
 
+def place_turtle(turtlesim: TurtleSim, x: float, y: float, theta: float) -> None:
+    """Put turtle1 of a_turtle() somewhere else (metres, radians), and wait until it is there."""
+    turtle = turtlesim.world.turtles.get("turtle1")
+    if turtle is None:
+        require("turtle1 is there", False, "It was killed.")
+        return
+    turtlesim.world.teleport_absolute("turtle1", x, y, theta)
+    wait(lambda: not turtle.teleports, 1.0, "the turtle to be put in its place")
+    pause(2 * TICK)  # until its pose is published
+
+
 def chance() -> Random:
     """Where a check draws orders, counts, values and moments from: another each time, the same for the same seed."""
     return current().random
@@ -138,17 +149,21 @@ def read(attribute: str) -> Any:
     return reply.get("value")
 
 
-def wait_for_attribute(attribute: str, condition: Callable[[Any], Any], timeout: float) -> Any:
-    """Read an attribute until it fits a condition or the time is over; its last value."""
-    value = None
+def wait_for_attribute(attribute: str, condition: Callable[[Any], Any], timeout: float, needed: bool = True) -> Any:
+    """Read an attribute until it fits a condition or the time is over; its last value.
+
+    It may appear late, as some do with a result. If there is none in all that time, the check ends if it is `needed`,
+    and else it is None.
+    """
+    reply: dict[str, Any] = {}
 
     def fits() -> Any:
-        nonlocal value
-        value = read(attribute)
-        return condition(value)
+        nonlocal reply
+        reply = current().order("read", attribute=attribute)
+        return "error" not in reply and condition(reply.get("value"))
 
     wait(fits, timeout, poll=0.05)
-    return value
+    return read(attribute) if needed and "error" in reply else reply.get("value")
 
 
 def pending_calls() -> int:
@@ -159,6 +174,11 @@ def pending_calls() -> int:
 def wait_for_servers(timeout: float) -> bool:
     """Wait until each client of the answer's node has found a server; whether it did."""
     return wait(lambda: current().order("ready").get("value"), timeout, "the node to find its servers", 0.05)
+
+
+def wait_for_servers_to_leave(timeout: float) -> bool:
+    """Wait until a client of the answer's node has seen its server go; whether one did."""
+    return wait(lambda: not current().order("ready").get("value"), timeout, "the node to lose a server", 0.05)
 
 
 def parts(value: Any, count: int) -> list[Any]:

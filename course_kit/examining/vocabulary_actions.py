@@ -1,14 +1,19 @@
-"""What checks say about actions: who offers one, how its goals go and end; and a server of the checker's own."""
+"""What checks say about actions: who offers one, how its goals go and end; and servers of the checker's own."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, field
 from typing import Any
 
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from example_interfaces.action import Fibonacci
+from rcl_interfaces.msg import Parameter
+from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
 from rclpy.task import Future
+from turtlesim.action import RotateAbsolute
 
 from course_kit.examining.examination import current
 from course_kit.examining.introduction import meet
@@ -16,7 +21,16 @@ from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, nobody_else, require, wait
 from course_kit.examining.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT
 from course_kit.internals.rmw_parts import action_topics
+from course_kit.turtlesim.node import TurtleSim
+from course_kit.turtlesim.turtle import Rotation
 
+ENDS = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED)
+ROTATE = "/turtle1/rotate_absolute"
+ARRIVAL = 1.0  # seconds that an end may take to be found
+LOOK = 0.02  # seconds from one look to the next of the checker's server
+PATIENCE = 1.0  # seconds that it waits for a request to cancel
+HASTE = 0.01  # seconds from number to number once it has refused
+SAMPLE, MOST_WORK = 500, 60_000  # parameters: of what is measured, and in one request
 # By the numbers of action_msgs/msg/GoalStatus.
 STATUSES = ("unknown", "accepted", "executing", "canceling", "succeeded", "canceled", "aborted")
 
@@ -41,44 +55,66 @@ class Goal:
     """A goal that was sent, and what became of it so far."""
 
     heard: Heard  # the action's feedback topic
+    states: Heard  # the action's status topic
+    sent: float = field(default_factory=time.monotonic)
     accepted: bool | None = None  # None: no answer came
     status: int | None = None
     result: Any = None
     handle: Any = None
+    ended: float | None = None  # when the result came; as `sent`, seconds of the monotonic clock
 
     @property
     def word(self) -> str:
-        """The status in a word."""
+        """What became of it, in a word."""
+        if not self.accepted:
+            return "without an answer" if self.accepted is None else "rejected"
         return "without an end" if self.status is None else STATUSES[self.status]
 
-    def _is_mine(self, message: Any) -> bool:
-        return self.handle is not None and bytes(message.goal_id.uuid) == bytes(self.handle.goal_id.uuid)
+    def _is_mine(self, goal_id: Any) -> bool:
+        return self.handle is not None and bytes(goal_id.uuid) == bytes(self.handle.goal_id.uuid)
+
+    @property
+    def told(self) -> list[tuple[int, Any]]:
+        """When each feedback came (nanoseconds since the epoch), and the feedback, also what came after the end."""
+        return [(when, said.feedback) for when, said in self.heard.arrivals if self._is_mine(said.goal_id)]
 
     @property
     def feedback(self) -> list[Any]:
-        """The feedback that came, also what came after the end."""
-        return [message.feedback for message in self.heard.messages if self._is_mine(message)]
+        """The feedback that came."""
+        return [feedback for _, feedback in self.told]
 
     @property
     def period(self) -> float:
         """Seconds between two feedbacks; 0 below two."""
-        times = [when for when, message in self.heard.arrivals if self._is_mine(message)]
+        times = [when for when, _ in self.told]
         return (times[-1] - times[0]) * 1e-9 / (len(times) - 1) if len(times) > 1 else 0.0
+
+    @property
+    def settled(self) -> int | None:
+        """When the server said how it ended (nanoseconds since the epoch), which may be before the result came."""
+        for when, message in self.states.arrivals:
+            mine = [each.status for each in message.status_list if self._is_mine(each.goal_info.goal_id)]
+            if any(status in ENDS for status in mine):
+                return when
+        return None
 
     def note_result(self, future: Any) -> None:
         """Keep the result and the status of a goal; the done callback of its result's future."""
         answer = future.result()
+        self.ended = time.monotonic()
         self.result, self.status = answer.result, answer.status
 
     def wait(self, timeout: float) -> bool:
-        """Wait for the result."""
-        return wait(lambda: self.status is not None, timeout, "the result of the goal")
+        """Wait for the result, if it was accepted."""
+        return bool(self.accepted) and wait(lambda: self.status is not None, timeout, "the result of the goal")
 
-    def cancel(self, timeout: float) -> None:
-        """If it was accepted, ask the server to cancel it, and wait for what it says to that and for the result."""
+    def cancel(self, timeout: float) -> float:
+        """If it was accepted, ask the server to cancel it, and wait for its answer and the result; seconds it took."""
+        began = time.monotonic()
         if self.accepted:
             wait(self.handle.cancel_goal_async().done, ANSWER_TIMEOUT, "the answer to a request to cancel")
             self.wait(timeout)
+        return max(0.0, (self.ended or time.monotonic()) - began)
 
 
 class Client:
@@ -91,12 +127,14 @@ class Client:
         wait(self._client.server_is_ready, CONNECT_TIMEOUT, f"the action {name}")
         # Heard on its own: an ActionClient drops what comes after the result.
         self._heard = current().stage.listen(f"{name}/_action/feedback", action_type.Impl.FeedbackMessage)
-        wait(lambda: self._heard.publisher_count, CONNECT_TIMEOUT, f"the feedback of {name}")
+        self._states = current().stage.listen(f"{name}/_action/status", GoalStatusArray)
+        ends = self._heard, self._states
+        wait(lambda: all(each.publisher_count for each in ends), CONNECT_TIMEOUT, f"the topics of {name}")
         meet(current().stage, name)
 
     def send(self, **fields: Any) -> Goal:
         """Send a goal and wait until it is accepted or rejected."""
-        goal = Goal(self._heard)
+        goal = Goal(self._heard, self._states)
         future = self._client.send_goal_async(self._type.Goal(**fields))
         if wait(future.done, ANSWER_TIMEOUT, "the answer to a goal"):
             goal.handle = future.result()
@@ -107,15 +145,25 @@ class Client:
 
 
 class FibonacciServer:
-    """The chapter's action `fibonacci`, ten numbers a second, on the stage: notes orders, cancels and feedback."""
+    """The chapter's action `fibonacci` on the stage: for each goal it can be told how, and it notes what came."""
 
     def __init__(self) -> None:
+        nobody_else(*action_topics("/fibonacci"))
+        self.begin()
+        current().stage.on_own_node(self._prepare)
+
+    def begin(
+        self, period: float = 0.1, rest: tuple[int, float] = (0, 0.0), patient_after: int = 0, refuses: bool = False
+    ) -> None:
+        """Begin anew. `period`: seconds from number to number; `rest`: after which feedback it rests, for how long.
+
+        After feedback number `patient_after` it waits for a request to cancel, PATIENCE seconds at most.
+        """
+        self._period, self._rest, self._patient_after, self._refuses = period, rest, patient_after, refuses
         self.orders: list[int] = []
         self.published = 0
         self.cancelled_after: int | None = None  # feedback messages
         self.ended: list[str] = []
-        nobody_else(*action_topics("/fibonacci"))
-        current().stage.on_own_node(self._prepare)
 
     def _prepare(self, node: Node) -> None:
         self._node = node
@@ -124,16 +172,34 @@ class FibonacciServer:
     def _on_cancel(self, _: Any) -> CancelResponse:
         if self.cancelled_after is None:
             self.cancelled_after = self.published
-        return CancelResponse.ACCEPT
+        return CancelResponse.REJECT if self._refuses else CancelResponse.ACCEPT
+
+    async def _sleep(self, seconds: float) -> None:
+        done = Future()
+        timer = self._node.create_timer(seconds, lambda: done.set_result(None))
+        await done
+        self._node.destroy_timer(timer)
+
+    async def _pause(self) -> None:
+        """What passes before the next number."""
+        after, seconds = self._rest
+        if 0 < after == self.published:
+            await self._sleep(seconds)
+        if 0 < self._patient_after == self.published:
+            until = time.monotonic() + PATIENCE
+            while self.cancelled_after is None and time.monotonic() < until:
+                await self._sleep(LOOK)
+        is_refused = self._refuses and self.cancelled_after is not None
+        await self._sleep(HASTE if is_refused else self._period)
 
     async def _execute(self, goal: Any) -> Fibonacci.Result:
         self.orders.append(goal.request.order)
+        until = time.monotonic() + ARRIVAL
+        while not self._node.count_subscribers("/fibonacci/_action/feedback") and time.monotonic() < until:
+            await self._sleep(LOOK)  # what is sent before the client is found is lost to it, and it could not count
         sequence = [0, 1]
         while len(sequence) <= goal.request.order:
-            pause = Future()
-            timer = self._node.create_timer(0.1, lambda pause=pause: pause.set_result(None))
-            await pause
-            self._node.destroy_timer(timer)
+            await self._pause()
             if goal.is_cancel_requested:
                 goal.canceled()
                 self.ended.append("canceled")
@@ -144,3 +210,56 @@ class FibonacciServer:
         goal.succeed()
         self.ended.append("succeeded")
         return Fibonacci.Result(sequence=sequence)
+
+
+class TurtlesRotations:
+    """What turtle1 of a_turtle() is told by its action, and the feedback that it sends, since begin()."""
+
+    def __init__(self, turtlesim: TurtleSim) -> None:
+        nobody_else(*action_topics(ROTATE))
+        self._world, self._rotate = turtlesim.world, turtlesim.world.rotate
+        turtlesim.world.rotate = self._note  # type: ignore[method-assign]
+        feedback = RotateAbsolute.Impl.FeedbackMessage
+        self._heard = current().stage.listen(f"{ROTATE}/_action/feedback", feedback, own=True)
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what was."""
+        self.goals: list[Rotation] = []
+        self._before = len(self._heard)
+
+    def _note(self, name: str, goal: float) -> Rotation:
+        rotation = self._rotate(name, goal)
+        self.goals.append(rotation)
+        return rotation
+
+    @property
+    def remaining(self) -> list[float]:
+        """The radians of each feedback."""
+        return [message.feedback.remaining for message in self._heard.messages[self._before :]]
+
+
+class BusyWork:
+    """Requests that take a node's only thread: to set very many parameters that it does not have, all or none.
+
+    So nothing is set. A node that serves no parameters is left alone.
+    """
+
+    def __init__(self, node: str) -> None:
+        name = f"{node}/set_parameters_atomically"
+        self._client = current().stage.check_node.create_client(SetParametersAtomically, name)
+        self._is_served = wait(self._client.service_is_ready, ARRIVAL)
+        if self._is_served:
+            meet(current().stage, name)
+            self._seconds_each = min(self._take(SAMPLE) for _ in range(2)) / SAMPLE
+
+    def take(self, seconds: float) -> None:
+        """Give it work for about so long, and wait until it is done."""
+        if self._is_served:
+            self._take(min(MOST_WORK, round(seconds / self._seconds_each)))
+
+    def _take(self, count: int) -> float:
+        began = time.monotonic()
+        request = SetParametersAtomically.Request(parameters=[Parameter(name="_of_the_checker")] * count)
+        wait(self._client.call_async(request).done, ANSWER_TIMEOUT, "an answer about parameters")
+        return time.monotonic() - began

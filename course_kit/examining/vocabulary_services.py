@@ -5,9 +5,10 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
+from rclpy.node import Node
 from rclpy.task import Future
 
 from course_kit.examining.examination import current
@@ -39,12 +40,14 @@ def expect_service(name: str, service_type: Any) -> Client:
     return Client(name, service_type)
 
 
-@dataclass
+@dataclass(eq=False)
 class Answer:
-    """What came back from a call; `response` is None if nothing did."""
+    """What comes back from a call; `response` is None as long as nothing has."""
 
-    response: Any
-    seconds: float
+    response: Any = None
+    seconds: float = 0.0  # from the request to the response, or to the end of the wait for it
+    seen: Any = None  # what there was to see when the response came
+    give_up: Callable[[], None] = lambda: None
 
 
 class Client:
@@ -59,23 +62,36 @@ class Client:
         meet(station, name)
 
     def ask(self, timeout: float = ANSWER_TIMEOUT, **request: Any) -> Answer:
-        """Call, and wait for the response."""
-        return self.ask_all(timeout, [request])[0]
-
-    def ask_all(self, timeout: float, requests: list[dict[str, Any]]) -> list[Answer]:
-        """Send several requests at once, and wait for all responses; without a server there are none."""
+        """Call, and wait for the response; without a server there is none."""
         if not self._client.service_is_ready():
-            return [Answer(None, timeout) for _ in requests]
-        began = time.monotonic()
-        seconds: dict[Future, float] = {}  # of those that are answered
-        futures = [self._client.call_async(self._type.Request(**request)) for request in requests]
-        for future in futures:
-            future.add_done_callback(lambda done: seconds.setdefault(done, time.monotonic() - began))
-        wait(lambda: len(seconds) == len(futures), timeout, f"the response of {self._name}")
-        answers = [Answer(f.result(), seconds[f]) if f in seconds else Answer(None, timeout) for f in futures]
-        for future in futures:
-            self._client.remove_pending_request(future)  # does nothing for those that are answered
-        return answers
+            return Answer(seconds=timeout)
+        return wait_for_answers(timeout, self.send(**request))[0]
+
+    def send(self, look: Callable[[], Any] = lambda: None, /, **request: Any) -> Answer:
+        """Call, and do not wait; what `look` gives when the response comes is noted with it."""
+        answer, began = Answer(), time.monotonic()
+
+        def note(done: Future) -> None:
+            answer.seconds, answer.seen = time.monotonic() - began, look()
+            answer.response = done.result()
+
+        def give_up() -> None:
+            answer.seconds = time.monotonic() - began
+            self._client.remove_pending_request(future)
+
+        future = self._client.call_async(self._type.Request(**request))
+        future.add_done_callback(note)
+        answer.give_up = give_up
+        return answer
+
+
+def wait_for_answers(timeout: float, *answers: Answer) -> tuple[Answer, ...]:
+    """Wait until all of them have come or the time is over, and no longer for those that have not."""
+    wait(lambda: all(each.response is not None for each in answers), timeout, "a response")
+    for each in answers:
+        if each.response is None:
+            each.give_up()
+    return answers
 
 
 def no_answer(name: str, timeout: float = ANSWER_TIMEOUT) -> str:
@@ -86,36 +102,79 @@ def no_answer(name: str, timeout: float = ANSWER_TIMEOUT) -> str:
     )
 
 
-@dataclass
+def callback_group(service: str) -> str | None:
+    """The kind of callback group that a service of the answer's node is in, for a hint; None if that is not known."""
+    return current().order("group", service=service).get("value")
+
+
 class Server:
-    """A server of the checker's on the stage, which notes what it was asked and what it answered."""
+    """A server of the checker's on the stage, which notes what it was asked and what it answered.
 
-    answer: Callable[[Any, Any], Any]
-    delay: float = 0.0
-    requests: list[Any] = field(default_factory=list)
-    responses: list[Any] = field(default_factory=list)
-    ended: threading.Event = field(default_factory=threading.Event)
+    It may be slow, be silent until it is told to go on, leave, and come back.
+    """
 
-    def serve(self, request: Any, response: Any) -> Any:
-        """Answer a request as the exercise's server does."""
+    def __init__(self, name: str, service_type: Any, answer: Callable[[Any, Any], Any]) -> None:
+        self._name, self._type, self._answer = name, service_type, answer
+        self.delay = 0.0  # seconds before each answer
+        self.requests: list[Any] = []
+        self.responses: list[Any] = []
+        self._go_on = threading.Event()
+        self._service: Any = None
+        self._node: Any = current().stage.on_own_node(self._serve)
+
+    def _serve(self, node: Node) -> Node:
+        self._service = node.create_service(self._type, self._name, self._on_request)
+        return node
+
+    def _on_request(self, request: Any, response: Any) -> Any:
         self.requests.append(request)
+        self._go_on.clear()
         if self.delay:
-            self.ended.wait(self.delay)
-        answered = self.answer(request, response)
+            self._go_on.wait(self.delay)
+        answered = self._answer(request, response)
         self.responses.append(answered)
         return answered
+
+    def go_on(self, delay: float = 0.0) -> None:
+        """Answer now what still waits, and with this delay what comes then."""
+        self.delay = delay
+        self._go_on.set()
+
+    def leave(self) -> None:
+        """Serve no longer."""
+        self.go_on()
+        self._in_its_thread(lambda: self._node.destroy_service(self._service))
+
+    def come_back(self) -> None:
+        """Serve again."""
+        self._in_its_thread(lambda: self._serve(self._node))
+
+    def _in_its_thread(self, do: Callable[[], object]) -> None:
+        self._node.executor.create_task(do)
 
 
 def a_server(name: str, service_type: Any, answer: Callable[[Any, Any], Any]) -> Server:
     """Serve a service on the stage until the check ends."""
     nobody_else(*service_topics(name))
-    server = Server(answer)
-    current().stage.on_own_node(lambda node: node.create_service(service_type, name, server.serve))
-    current().ending.callback(server.ended.set)  # what still waits in a callback would keep the node in the graph
+    server = Server(name, service_type, answer)
+    current().ending.callback(server.go_on)  # what still waits in a callback would keep the node in the graph
     return server
 
 
-def add_two_ints(request: Any, response: Any) -> Any:
-    """What the chapter's server answers."""
-    response.sum = request.a + request.b
-    return response
+def later(seconds: float, do: Callable[[], object]) -> None:
+    """Have something done in so many seconds, while the check goes on; not after its end."""
+    timer = threading.Timer(seconds, do)
+    current().ending.callback(timer.cancel)
+    timer.start()
+
+
+class Adder:
+    """What the chapter's server answers; and `too_much` more, by which one knows who has added."""
+
+    too_much = 0
+
+    def __call__(self, request: Any, response: Any) -> Any:
+        """Answer the sum, as an int64 goes over."""
+        total = request.a + request.b + self.too_much
+        response.sum = (total + 2**63) % 2**64 - 2**63
+        return response

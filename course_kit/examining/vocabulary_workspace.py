@@ -1,14 +1,14 @@
 """What checks say about a workspace: packages that are built, programs and launches that run, definitions of types.
 
 Programs are started as a student would in a terminal in which the workspace is sourced, but on the stage. They end
-with the check.
+with the check. What a student wrote is read as data, and only from regular files.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import re
+import signal
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
@@ -17,39 +17,29 @@ import psutil  # type: ignore[import-untyped]
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter, parameter_value_to_python
 
-from course_kit.colcon import sourcing
-from course_kit.examining import own_types
+from course_kit.colcon import built, console_scripts, overlay, regular_files
+from course_kit.examining import definitions, own_types, workspace_terminal
 from course_kit.examining.examination import WORKSPACE, current
 from course_kit.examining.vocabulary import expect, nearest, pause, require, wait
 from course_kit.examining.vocabulary_services import Client
-from course_kit.programs import processes
+from course_kit.examining.workspace_terminal import folder
+from course_kit.internals.rmw_parts import service_topics
 from course_kit.programs.child_process import Process
-from course_kit.spinning.context import RANGE
 
 START_TIMEOUT = 15.0  # seconds that programs have until their nodes are there
 LONGEST_START = 45.0  # the same as long as they still begin, on a busy machine
 SAMPLES = 20  # of whether a program wants to run, 50 ms apart
 STOP_PATIENCE = 2.0
-
-
-def folder() -> Path:
-    """The student's workspace."""
-    return current().folder / WORKSPACE
-
-
-def _prefix(package: str) -> Path:
-    """Where a package is installed, or would be: in a folder of its own, unless all were merged into one."""
-    own = folder() / "install" / package
-    return own if own.is_dir() else folder() / "install"
+INTERRUPT_TIMEOUT = 7.0  # seconds that a program has to end after Ctrl-C, some of them for a busy machine
 
 
 def share(package: str) -> Path:
     """The folder of an installed package for launch files, parameter files and definitions."""
-    return _prefix(package) / "share" / package
+    return overlay.prefix_of(folder(), package) / "share" / package
 
 
 def expect_package(package: str, build_type: str, points: int = 0) -> None:
-    """The workspace has this package, and what is installed of it is what lies in `src` now."""
+    """The workspace has this package, and what colcon has installed of it is what lies in `src` now."""
     manifests = {path.parent.name: path for path in (folder() / "src").glob("*/package.xml")}
     names = ", ".join(sorted(manifests)) or "no packages"
     hint = f"{nearest(package, list(manifests))}In {WORKSPACE}/src there are: {names}."
@@ -57,43 +47,49 @@ def expect_package(package: str, build_type: str, points: int = 0) -> None:
     stated = _build_type(manifests[package])
     hint = f"Its package.xml says {stated}. Remove the folder, and make it anew with `--build-type {build_type}`."
     require(f"its build type is {build_type}", stated == build_type, hint)
-    marker = _prefix(package) / "share/ament_index/resource_index/packages" / package
-    hint = f"There is no {WORKSPACE}/install/{package}: `colcon build --packages-select {package}`, beside `src`."
-    if (folder() / "src/install" / package).is_dir():
-        hint = f"It is in {WORKSPACE}/src/install: you built in `src`. Remove build, install and log there, and build "
-        hint += f"in {WORKSPACE}."
-    expect(f"`{package}` is built", marker.is_file(), hint, points, needed=True)
-    if changed := [str(path.relative_to(folder())) for path in _changed(package)]:
-        hint = f"{', '.join(changed)} is newer than what is installed: build again, then run this cell again."
-        require("what is installed is what is in `src`", False, hint)
+    expect(f"`{package}` is built", not (hint := _unbuilt(package, build_type)), hint, points, needed=True)
+    if changed := built.changed(folder(), package):
+        names = ", ".join(str(path.relative_to(folder())) for path in changed)
+        hint = f"{names} is newer than what is installed, or what is installed was changed by hand. "
+        require("what is installed is what is in `src`", False, f"{hint}Build again, then run this cell again.")
+
+
+def _unbuilt(package: str, build_type: str) -> str:
+    """Why a package is not built; nothing if it is."""
+    prefix = overlay.prefix_of(folder(), package)
+    if not (prefix / "share/ament_index/resource_index/packages" / package).is_file():
+        if (folder() / "src/install" / package).is_dir():
+            hint = f"It is in {WORKSPACE}/src/install: you built in `src`. Remove build, install and log there, and "
+            return f"{hint}build in {WORKSPACE}."
+        return f"There is no {WORKSPACE}/install/{package}: `colcon build --packages-select {package}`, beside `src`."
+    if build_type == "ament_python" and built.is_made_by_hand(folder(), package):
+        hint = f"What lies in {prefix.relative_to(current().folder)} was not built from `src`: the .dsv and .egg-info "
+        hint += "that every build leaves are not there. "
+        return f"{hint}Remove it, and run `colcon build --packages-select {package}` beside `src`."
+    return ""
 
 
 def _build_type(package_xml: Path) -> str:
     try:
-        return ElementTree.parse(package_xml).findtext("export/build_type") or "nothing about it"
-    except (ElementTree.ParseError, OSError) as error:
+        stated = ElementTree.fromstring(regular_files.data_of(package_xml) or b"").findtext("export/build_type")
+        return (stated or "nothing about it").strip()
+    except ElementTree.ParseError as error:
         return f"what cannot be read ({error})"
 
 
-def _changed(package: str) -> list[Path]:
-    """The files in `src` whose installed copy says something else."""
-    source, prefix = folder() / "src" / package, _prefix(package)
-    modules = list(prefix.glob(f"lib/python3*/site-packages/{package}"))
-    copies = [(path, base / path.name) for base in modules for path in (source / package).glob("*.py")]
-    for place in ("launch", "config", "msg", "srv", "action"):
-        copies += [(path, share(package) / place / path.name) for path in (source / place).glob("*.*")]
-    return [path for path, copy in copies if copy.is_file() and copy.read_bytes() != path.read_bytes()]
-
-
 def expect_executable(package: str, name: str) -> None:
-    """`ros2 run` knows this program of a package."""
-    path = _prefix(package) / "lib" / package
+    """`ros2 run` knows this program of a package, and it is made of an entry point of its setup.py."""
+    path = overlay.prefix_of(folder(), package) / "lib" / package
     programs = sorted(file.name for file in path.glob("*") if os.access(file, os.X_OK))
     hint = (
         f"{nearest(name, programs)}`ros2 run` finds {', '.join(programs) or 'no program'} in {package}: a program "
         f"needs a line `{name} = {package}.module:main` in console_scripts of setup.py, and a build."
     )
     require(f"`{package}` has the program `{name}`", name in programs, hint)
+    if fault := console_scripts.fault(folder(), package, path / name):
+        hint = f"{(path / name).relative_to(folder())} was not built from `src`: {fault}. "
+        hint += "Only `colcon build` writes into `install`: remove the file, and build again."
+        require(f"the program `{name}` is built from `src`", False, hint)
 
 
 def expect_installed(package: str, file: str) -> None:
@@ -103,23 +99,18 @@ def expect_installed(package: str, file: str) -> None:
         f"files are installed, and a build installs them."
     )
     require(f"`{file}` is installed", (share(package) / file).is_file(), hint)
-
-
-def _environment() -> dict[str, str]:
-    """As in a terminal in which the workspace is sourced, on the stage."""
-    try:
-        environment = sourcing.sourced(folder() / "install/setup.bash", processes.without_kernel(os.environ))
-    except (OSError, RuntimeError) as error:
-        require(f"`{WORKSPACE}/install/setup.bash` can be sourced", False, f"{error}.")
-        raise
-    for name in ("ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS", "ROS_NAMESPACE"):
-        environment.pop(name, None)
-    return {**environment, **processes.PLAIN_TERMINAL, "ROS_DOMAIN_ID": str(current().stage.domain), RANGE: "LOCALHOST"}
+    if not built.comes_from_source(folder(), package, share(package) / file):
+        hint = f"No file of this name in {WORKSPACE}/src/{package} says what {WORKSPACE}/install has: build again."
+        require(f"`{file}` is installed from `src`", False, hint)
 
 
 def start(*command: str) -> Process:
     """Start a command on the stage, in the workspace's folder; it ends with the check."""
-    process = Process(command, " ".join(command), _environment(), folder())
+    if names := workspace_terminal.in_the_way():
+        hint = f"{', '.join(names)} has the name of a module of ROS or of the course, and would be loaded in its place."
+        require("no module of the workspace stands in the way", False, f"{hint} Give it another name, and build again.")
+    words = workspace_terminal.command(command)
+    process = Process(words, " ".join(command), workspace_terminal.environment(), folder())
     current().ending.callback(process.stop, STOP_PATIENCE)
     current().programs.append(process.pid)
     process.begin()
@@ -194,6 +185,15 @@ def _wants_to_run(program: psutil.Process) -> bool:
         return False
 
 
+def interrupt(process: Process) -> int | None:
+    """Ctrl-C in the terminal of a program: its exit status, or None if it goes on for INTERRUPT_TIMEOUT seconds."""
+    process.send_signal(signal.SIGINT)
+    wait(process.done, INTERRUPT_TIMEOUT, f"the end of `{process.name}`")
+    status = process.status
+    process.stop(STOP_PATIENCE)
+    return status
+
+
 def expect_gone(node: str) -> None:
     """A node that was stopped has left the graph."""
     gone = wait(lambda: node not in current().stage.their_nodes(), 5.0, f"the end of {node}")
@@ -217,35 +217,27 @@ def get_parameters(node: str, *names: str) -> list[Any]:
 
 
 def expect_definition(package: str, name: str, points: int = 1) -> bool:
-    """The installed definition, such as that of 'msg/Battery', is the checker's own but for order, spaces and remarks.
-
-    The three dashes of a service part its lines: the order counts across them only.
-    """
+    """The installed definition, such as that of 'msg/Battery', is the checker's own but for order and remarks."""
     file = f"{name}.{name.split('/')[0]}"
-    path, wanted = share(package) / file, (own_types.DEFINITIONS[package][0] / file).read_text()
-    text = path.read_text() if path.is_file() else ""
-    shown = " / ".join(" ".join(line.split()) for line in text.splitlines() if line.strip())
+    wanted, text = own_types.own_texts(package)[file], regular_files.text_of(share(package) / file) or ""
     hint = f"{package} has no {name}: is its file listed in rosidl_generate_interfaces(…) of CMakeLists.txt, and built?"
     if text:
-        hint = f"It says: {shown}. Types, names and constants must be those of the text, or nobody else can read it."
-    return expect(f"`{package}/{name}` is as asked", _parts(text) == _parts(wanted), hint, points)
+        hint = f"It says: {definitions.shown(text)}. Types, names and constants must be those of the text, or nobody "
+        hint += "else can read it."
+    return expect(f"`{package}/{name}` is as asked", definitions.is_as_asked(text, wanted), hint, points)
 
 
-def _parts(text: str) -> list[list[str]]:
-    parts: list[list[str]] = [[]]
-    for line in text.splitlines():
-        code = re.sub(r"\s*=\s*", "=", " ".join(line.split("#")[0].split()))
-        if code == "---":
-            parts.append([])
-        elif code:
-            parts[-1].append(_with_number(code))
-    return [sorted(part) for part in parts]
+def expect_same_types(topic: str, service: str) -> None:
+    """The answer speaks the types that are installed, and so the checker's: their hashes say so."""
+    station = current().stage
 
+    def hashes(name: str) -> set[str]:
+        looks = station.node.get_publishers_info_by_topic, station.node.get_subscriptions_info_by_topic
+        ends = [end for look in looks for end in look(name, no_mangle=name[0] != "/")]
+        ids = [(end, bytes(end.endpoint_gid)) for end in ends]
+        return {str(end.topic_type_hash) for end, gid in ids if station.counts(gid) or station.is_own(gid)}
 
-def _with_number(code: str) -> str:
-    """A constant with its value as a number: 11 is 11.0."""
-    left, is_constant, value = code.partition("=")
-    try:
-        return f"{left}={float(value)}" if is_constant else code
-    except ValueError:
-        return code
+    same = all(len(hashes(name)) <= 1 for name in (topic, *service_topics(service)))
+    hint = "Its types are those of an earlier build: once imported, a type stays as it is. Restart the kernel, and run "
+    if not same:
+        require("its types are those that are built", False, f"{hint}the cells again. If that does not help, build.")

@@ -1,211 +1,229 @@
-"""Chapter 4's exercises: what each asks of services, and how it is checked."""
+"""Chapter 4's exercises about servers: what each asks of services, and how it is checked."""
 
 from __future__ import annotations
 
-from example_interfaces.srv import AddTwoInts
-from std_srvs.srv import SetBool, Trigger
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
-from course_kit.examining import trails
+from example_interfaces.srv import AddTwoInts
+from std_srvs.srv import SetBool
+
 from course_kit.examining.exercise import exercise
 from course_kit.examining.vocabulary import (
-    a_turtle,
     answer,
-    call,
+    chance,
     expect,
     expect_node,
-    pause,
-    pending_calls,
     read,
     require,
-    wait,
-    wait_for_servers,
 )
-from course_kit.examining.vocabulary_services import Client, a_server, add_two_ints, expect_service, no_answer
-from course_kit.examining.vocabulary_topics import hear_the_turtle
+from course_kit.examining.vocabulary_services import (
+    Adder,
+    Answer,
+    Client,
+    Server,
+    a_server,
+    callback_group,
+    expect_service,
+    no_answer,
+    wait_for_answers,
+)
 
-SLOW_TICK = 0.25  # seconds; so slow that who asks just after a tick and does not wait for the next is always early
-LATE = 1.5  # seconds that a wait of 0.5 s may take where the machine is busy
+LARGEST = 10**18  # three times the sum of two such numbers is an int64
+WORK = 0.3  # seconds
+EARLIEST, LATEST = 0.28, 0.45  # seconds that count as those 0.3; the later only if no answer was quicker
+AT_ONCE = 0.6  # seconds for three answers
 
 
 @exercise("services-1", "A lamp", points=2, level="warm-up", node_class="Lamp")
 def lamp() -> None:
-    """It is switched on and off; each response says whether that changed it, and what it is now."""
-    answer()
-    client = expect_service("/lamp", SetBool)
-    begins_off = read("is_on") is False
-    said = []
-    for number, data in enumerate((True, True, False, False), start=1):
-        said.append(client.ask(data=data).response)
-        require(f"it answers request {number}", said[-1] is not None, no_answer("/lamp"))
+    """It is switched on and off by whoever asks; each response says whether that changed it, and what it is now."""
+    lamps = [_switched(_switches()), _switched([True])]  # the first is left on
+    seen = next((one for one in lamps if not one.tells_changes), lamps[0])
     expect(
         "`success` tells whether the request changed the lamp",
-        begins_off and [response.success for response in said] == [True, False, True, False],
-        f"Asked for on, on, off, off it said {[response.success for response in said]}, and `self.is_on` began as "
-        f"{'False' if begins_off else 'something else than False'}: compare request.data with self.is_on "
-        f"before you set it.",
+        seen.tells_changes,
+        f"Asked for {seen.asked} it said {[response.success for response in seen.said]}, and `self.is_on` began as "
+        f"{seen.states[0]!r}: each new lamp begins with False. For each request, whoever asks, compare request.data "
+        f"with self.is_on before you set it.",
     )
+    seen = next((one for one in lamps if not one.tells_states), lamps[0])
     expect(
         "`message` and `self.is_on` tell the state afterwards",
-        [response.message for response in said] == ["on", "on", "off", "off"] and read("is_on") is False,
-        f"Asked for on, on, off, off its messages were {', '.join(repr(one.message) for one in said)}: "
-        f"set self.is_on first, then the message.",
+        seen.tells_states,
+        f"Asked for {seen.asked} its messages were {', '.join(repr(response.message) for response in seen.said)}, and "
+        f"`self.is_on` was {', '.join(map(repr, seen.states[1:]))}: set self.is_on first, then the message.",
     )
 
 
-@exercise("services-2", "A client that never hangs", points=2, level="medium", timeout=25, node_class="SafeClient")
-def safe_client() -> None:
-    """add() brings the sum, or None in time: without a server, and with one that does not answer."""
-    answer()
-    alone, alone_seconds = call("add", 1, 1, 0.5, timeout=4.0)
-    server = a_server("/add_two_ints", AddTwoInts, add_two_ints)
-    wait_for_servers(2.0)  # the request of a client that does not wait for it itself would be lost by chance
-    brought, _ = call("add", 2, 3, 3.0, timeout=5.0)
-    expect(
-        "with a server it returns the sum",
-        brought == 5 and len(server.requests) >= 1,
-        f"add(2, 3, 3.0) returned {brought!r}, and the server got {len(server.requests)} requests: wait for the "
-        "future, then return its result().sum.",
-    )
-    server.delay = 3.0
-    slow, slow_seconds = call("add", 1, 1, 0.5, timeout=4.0)
-    left = pending_calls()
-    in_time = max(alone_seconds, slow_seconds) < LATE
-    expect(
-        "without a server or an answer it returns None in time, and leaves no future waiting",
-        alone is None and slow is None and in_time and left == 0,
-        _why_not_safe(alone, slow, alone_seconds, slow_seconds, left),
-    )
+@dataclass
+class Switched:
+    """What one lamp was asked for, what it said, and its `self.is_on` at first and after each request."""
+
+    data: list[bool]
+    said: list[Any]
+    states: list[Any]
+
+    @property
+    def asked(self) -> str:
+        """In words."""
+        return ", ".join(map(_word, self.data))
+
+    @property
+    def tells_changes(self) -> bool:
+        """Whether it began as it should, and each `success` is right."""
+        changes = [before != after for before, after in pairwise([False, *self.data])]
+        return self.states[0] is False and [response.success for response in self.said] == changes
+
+    @property
+    def tells_states(self) -> bool:
+        """Whether each `message` is right, and each `self.is_on`."""
+        return [one.message for one in self.said] == [*map(_word, self.data)] and self.states[1:] == self.data
 
 
-def _why_not_safe(alone: object, slow: object, alone_seconds: float, slow_seconds: float, left: int) -> str:
-    if alone is not None or slow is not None:
-        return (
-            f"It returned {alone!r} without a server and {slow!r} with one that did not answer, and not None: look at "
-            f"what wait_for_service() returns, and catch the TimeoutError of wait_for()."
-        )
-    if max(alone_seconds, slow_seconds) >= LATE:
-        return (
-            f"With a timeout of 0.5 s it took {alone_seconds:.1f} s without a server and {slow_seconds:.1f} s with a "
-            "slow one: `timeout` is for both waits together, so compute what is left of it."
-        )
-    return f"{left} futures still wait in the client: `self.client.remove_pending_request(future)` after a timeout."
+def _word(is_on: bool) -> str:
+    return "on" if is_on else "off"
 
 
-@exercise("services-3", "Ask while you are asked", points=3, level="medium", timeout=20, node_class="AddThreeTimes")
+def _switched(data: list[bool]) -> Switched:
+    """Have a new lamp switched by two clients."""
+    answer(threads=None)
+    clients = [expect_service("/lamp", SetBool), Client("/lamp", SetBool)]
+    seen = Switched(data, [], [read("is_on")])
+    for wanted in data:
+        seen.said.append(chance().choice(clients).ask(data=wanted).response)
+        if seen.said[-1] is None:
+            break
+        seen.states.append(read("is_on"))
+    last = f"That was number {len(seen.said)}, for {seen.asked.split(', ')[len(seen.said) - 1]}."
+    require("it answers request after request", seen.said[-1] is not None, f"{no_answer('/lamp')} {last}")
+    return seen
+
+
+def _switches() -> list[bool]:
+    """What is asked of a lamp that is off, so that it is changed both ways, and left as it is both ways."""
+    while True:
+        drawn = [*(chance().random() < 0.5 for _ in range(6)), True]
+        if len(set(pairwise([False, *drawn]))) == 4:
+            return drawn
+
+
+@exercise("services-3", "Ask while you are asked", points=3, level="medium", timeout=25, node_class="AddThreeTimes")
 def add_three_times() -> None:
     """It answers 3 · (a + b), asks /add_two_ints three times for that, and adds nothing itself."""
-    server = a_server("/add_two_ints", AddTwoInts, add_two_ints)
+    adder = Adder()
+    server = a_server("/add_two_ints", AddTwoInts, adder)
     answer()
-    client = expect_service("/add_three_times", AddTwoInts)
-    first = client.ask(a=2, b=3).response
-    asked = len(server.requests)
+    clients = [expect_service("/add_three_times", AddTwoInts), Client("/add_three_times", AddTwoInts)]
+    asked = [_numbers(LARGEST), {"a": (one := chance().randint(1, 99)), "b": -one}, _numbers(99), _numbers(99)]
+    chance().shuffle(asked)
+    came, counts = [], []
+    for request, client in zip(asked[:2], clients, strict=True):
+        before = len(server.requests)
+        came.append(client.ask(**request))
+        counts.append(len(server.requests) - before)
+        if came[-1].response is None:
+            break
     require(
         "it answers",
-        first is not None,
+        came[-1].response is not None,
         f"{no_answer('/add_three_times')} A callback that waits for an answer is a deadlock: make it `async def`, "
         f"await call_async(), and give the client a callback group of its own.",
     )
-    last = server.responses[-1].sum if server.responses else None
-    second = client.ask(a=-4, b=5).response
-    sums = [first.sum, None if second is None else second.sum]
+    before, server.delay = len(server.requests), chance().uniform(0.03, 0.06)
+    at_once = [client.send(**request) for request, client in zip(asked[2:], clients, strict=True)]
+    came += wait_for_answers(5.0, *at_once)
+    counts.append(len(server.requests) - before)
+    sums, wanted = [_sum(each) for each in came], [3 * (each["a"] + each["b"]) for each in asked]
     expect(
-        "2 + 3 gives 15, and -4 + 5 gives 3 afterwards",
-        sums == [15, 3],
-        f"The answers were {sums[0]} and {'none' if sums[1] is None else sums[1]}: 3 · (a + b), for each request anew.",
+        "it answers 3 · (a + b), for one after the other and for two clients at once",
+        sums == wanted,
+        f"Asked one after the other for {_written(asked[:2])} it answered {sums[:2]}, and asked by two clients at once "
+        f"for {_written(asked[2:])} it answered {sums[2:]}, in place of {wanted}: 3 · (a + b), for each request anew. "
+        f"What belongs to one request stays in local variables.",
     )
     expect(
-        "it asks /add_two_ints three times",
-        asked == 3,
-        f"It asked {asked} times for one request: a + b, then that twice, then the two together.",
+        "it asks /add_two_ints three times for each request",
+        counts == [3, 3, 6],
+        f"It asked {counts[0]} times for one request, {counts[1]} times for the next, and {counts[2]} times for two at "
+        f"once: a + b, then that twice, then the two together.",
     )
+    _check_that_it_only_passes_on(adder, server, chance().choice(clients))
+
+
+def _check_that_it_only_passes_on(adder: Adder, server: Server, client: Client) -> None:
+    """The server now adds wrong, by which one sees who has added."""
+    server.delay, adder.too_much = 0.0, chance().randint(1, 9)
+    before, request = len(server.responses), _numbers(99)
+    brought = _sum(client.ask(**request))
+    told = [response.sum for response in server.responses[before:]]
+    sent = [(each.a, each.b) for each in server.requests[before:]]
+    known = [{*request.values(), *told[:number]} for number in range(len(sent))]
     expect(
         "what it answers is the last thing it was told: it adds nothing itself",
-        last == first.sum,
-        f"The last answer of /add_two_ints was {last}, and it answered {first.sum}: let the server add the sums, too.",
+        told and brought == told[-1] and all({*pair} <= numbers for pair, numbers in zip(sent, known, strict=True)),
+        f"Asked for {_written([request])} it sent {sent} to an /add_two_ints that adds {adder.too_much} too much and "
+        f"told it {told}, and it answered {brought}: let the server add the sums, too, and answer the last one.",
     )
 
 
-@exercise("services-4", "Three at a time", points=3, level="medium", timeout=20, node_class="ParallelServer", node="")
+@exercise("services-4", "Three at a time", points=3, level="medium", timeout=25, node_class="ParallelServer", node="")
 def parallel_server() -> None:
     """Each answer takes 0.3 s, and three requests at once are answered within 0.6 s."""
     answer(threads=True)
     expect_node("/add_two_ints_server")
-    client = expect_service("/add_two_ints", AddTwoInts)
-    single = client.ask(a=1, b=2)
-    require("it answers", single.response is not None, no_answer("/add_two_ints"))
-    requests = [{"a": number, "b": 10} for number in range(3)]
-    answers, longest = [], 9.9
+    clients = [expect_service("/add_two_ints", AddTwoInts), Client("/add_two_ints", AddTwoInts)]
+    asked = [_numbers(999) for _ in clients]
+    came = [client.ask(**request) for request, client in zip(asked, clients, strict=True)]
+    require("it answers", all(each.response is not None for each in came), no_answer("/add_two_ints"))
+    longest = 9.9
     for _ in range(3):  # a busy machine may be late once
-        tried = client.ask_all(3.0, requests)
-        if max(each.seconds for each in tried) < longest:
-            answers, longest = tried, max(each.seconds for each in tried)
-        if longest <= 0.6:
+        requests = [_numbers(999) for _ in range(3)]
+        at_once = [chance().choice(clients).send(**request) for request in requests]
+        came += wait_for_answers(3.0, *at_once)
+        asked += requests
+        longest = min(longest, max(each.seconds for each in at_once))
+        if longest <= AT_ONCE:
             break
-    sums = [None if each.response is None else each.response.sum for each in answers]
+    sums, wanted = [_sum(each) for each in came], [each["a"] + each["b"] for each in asked]
     expect(
         "the sums are right",
-        single.response.sum == 3 and sums == [10, 11, 12],
-        f"1 + 2 gave {single.response.sum}, and 0 + 10, 1 + 10, 2 + 10 gave {sums}.",
+        sums == wanted,
+        f"{_written(asked[:2])}, one after the other, gave {sums[:2]}, and three at once, {_written(asked[2:5])}, gave "
+        f"{sums[2:5]}. What belongs to one request stays in local variables.",
     )
-    shortest = min(single.seconds, *(each.seconds for each in answers))
+    shortest = min(each.seconds for each in came)
     expect(
         "one answer takes 0.3 s",
-        shortest >= 0.28,
-        f"One took {shortest:.2f} s: the exercise keeps the time.sleep(0.3) of the slow server.",
+        EARLIEST <= shortest <= LATEST,
+        f"The quickest took {shortest:.2f} s: the exercise keeps the time.sleep(0.3) of the slow server.",
     )
-    expect(
-        "three requests at once are answered within 0.6 s",
-        longest <= 0.6,
-        f"They took {longest:.2f} s, one after the other: the callbacks of one MutuallyExclusiveCallbackGroup wait for "
-        f"each other, also with many threads. Give the service a ReentrantCallbackGroup.",
+    expect("three requests at once are answered within 0.6 s", longest <= AT_ONCE, _why_not_at_once(longest))
+
+
+def _why_not_at_once(longest: float) -> str:
+    took = f"They took {longest:.2f} s, and not {WORK:g}: one waited for another. "
+    if callback_group("/add_two_ints") == "ReentrantCallbackGroup":
+        return (
+            f"{took}The service is in a ReentrantCallbackGroup, so the executor lets them run at the same time: look "
+            f"for what lets only one through in the callback itself, such as a lock that is held while it sleeps."
+        )
+    return (
+        f"{took}The callbacks of one MutuallyExclusiveCallbackGroup wait for each other, also with many threads. Give "
+        f"the service a ReentrantCallbackGroup."
     )
 
 
-@exercise("services-5", "Draw on demand", points=5, level="project", timeout=60, node_class="StarPainter")
-def star_painter() -> None:
-    """It draws a star, answers when it is there, and says so if there is no turtle."""
-    answer()
-    client = expect_service("/draw_star", Trigger)
-    alone = client.ask(6.0)
-    expect(
-        "without a turtle it says so within 3 s",
-        alone.response is not None and not alone.response.success and alone.seconds <= 3.5,
-        f"{'No response came' if alone.response is None else f'It said success={alone.response.success}'} after "
-        f"{alone.seconds:.1f} s: look at what wait_for_service(timeout_sec=…) returns, before the first call.",
-    )
-    if alone.response is None:  # what hangs may keep it from answering again
-        answer()
-        client = Client("/draw_star", Trigger)
-    turtlesim = a_turtle(period=SLOW_TICK)
-    poses = hear_the_turtle()
-    wait(lambda: poses.received > 1, 3.0, "a tick")
-    drawn = client.ask(40.0)
-    require("with a turtle it answers", drawn.response is not None, no_answer("/draw_star", 40.0))
-    at_the_end = trails.distance_to_end(turtlesim)
-    expect(
-        "it answers `5 lines` when it has arrived",
-        drawn.response.success and drawn.response.message == "5 lines" and at_the_end < 0.3,
-        f"It said success={drawn.response.success}, {drawn.response.message!r}, with the turtle {at_the_end:.1f} m "
-        "from the end of the last line: wait for its pose, then respond.",
-    )
-    pause(2 * SLOW_TICK)  # the last tick of the pen
-    seen = trails.star_seen(turtlesim)
-    expect(
-        "five lines of a star, in yellow",
-        seen.complete == 5,
-        f"{seen.complete} of the 5 lines are there in yellow: corners 4 m from (5.54, 5.54) at 90°, 234°, 18°, 162°, "
-        f"306°, one straight above it. `turtlesim.picture()` shows what was drawn.",
-    )
-    expect(
-        "they are 4 pixels wide",
-        seen.width in (4, 5),
-        f"They are about {seen.width} wide: `width=4` in the request of set_pen.",
-    )
-    expect(
-        "nothing else is drawn",
-        seen.elsewhere < 20 and seen.complete > 0,
-        f"{seen.elsewhere} pixels are painted beside the star: lift the pen (`off=1`) for the way to the first corner. "
-        "A teleport happens at the next tick, after its response: wait for the pose before the pen goes down."
-        if seen.complete
-        else "There is no star yet.",
-    )
+def _numbers(largest: int) -> dict[str, int]:
+    """Two drawn numbers of a request, of which one at least is negative."""
+    a, b = chance().randint(-largest, -1), chance().randint(-largest, largest)
+    return {"a": a, "b": b} if chance().random() < 0.5 else {"a": b, "b": a}
+
+
+def _sum(answered: Answer) -> int | None:
+    return None if answered.response is None else int(answered.response.sum)
+
+
+def _written(requests: list[dict[str, int]]) -> str:
+    return ", ".join(f"{each['a']} + {each['b']}" for each in requests)

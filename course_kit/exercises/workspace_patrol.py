@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable
 from typing import Any
 
 import yaml
 from turtlesim.msg import Pose
 
-from course_kit.examining import paths
+from course_kit.colcon import regular_files
+from course_kit.examining import paths, squares
 from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
 from course_kit.examining.station import Heard
-from course_kit.examining.vocabulary import a_turtle, expect, wait
+from course_kit.examining.vocabulary import a_turtle, chance, expect, pause, wait
 from course_kit.examining.vocabulary_topics import hear_the_turtle, listen
 from course_kit.examining.vocabulary_workspace import (
     expect_executable,
@@ -27,9 +27,11 @@ from course_kit.examining.vocabulary_workspace import (
     share,
     start,
 )
+from course_kit.watching import topics
 
-LAP_TIMEOUT = 30.0
-LAP = 1.15 * math.tau  # radians that the turtle turns on a lap, and more than it may overshoot
+LAP_TIMEOUT = 36.0
+SLOWEST_TURN = 0.95  # rad/s that a turn reaches
+METRES = 0.2  # that a turtle of the launch drives, at least
 ROOMS = ("one", "two")
 
 
@@ -38,37 +40,66 @@ def patrol() -> None:
     """One turtle is driven in squares as the parameters say; two are by a launch, each with a file of its own."""
     expect_package("patrol", "ament_python")
     expect_executable("patrol", "patrol")
+    (side, speed), (new_side, new_speed) = _drawn()
     a_turtle()
     driven = hear_the_turtle()
-    node = start("ros2", "run", "patrol", "patrol", "--ros-args", "-p", "side:=1.0", "-p", "speed:=1.0")
+    node = start("ros2", "run", "patrol", "patrol", "--ros-args", "-p", f"side:={side}", "-p", f"speed:={speed}")
     expect_nodes(node, "/patrol")
-    lap = _lap_of(driven, 1.0)
+    lap = _lap_of(driven, lambda lap: _is_driven(lap, side, speed) and _turns_fast(lap))
     expect(
-        "with side 1.0 and speed 1.0 it drives a square of 1 m with 1 m/s",
-        _is_square(lap, 1.0) and abs(paths.top_speed(lap) - 1.0) < 0.15,
-        f"{_described(lap)}: straight for `side` metres at `speed`, then a turn by "
-        f"90°, again and again. `plot_pose` shows the path.",
+        "it drives a square as `side` and `speed` say, with turns at 1 rad/s or more",
+        _is_driven(lap, side, speed) and _turns_fast(lap),
+        f"Started with side:={side} and speed:={speed}: {squares.described(lap)}. Straight for `side` metres at "
+        f"`speed`, then a turn by 90° at 1 rad/s or more, again and again. `plot_pose` shows the path.",
     )
-    changed = [set_parameter("/patrol", name, 2.0) for name in ("side", "speed")]
-    _lap(driven, 15.0, 0.3 * math.tau)  # the side on which it is may still be a short one
-    lap = _lap_of(driven, 2.0)
+    changes = [("side", new_side), ("speed", new_speed)]
+    chance().shuffle(changes)
+    changed = [set_parameter("/patrol", name, value) for name, value in changes]
+    _lap(driven, 15.0, 0.3 * math.tau)  # the side on which it is may still be one of before
+    lap = _lap_of(driven, lambda lap: _is_driven(lap, new_side, new_speed))
     expect(
         "side and speed can be changed while it drives",
-        all(taken for taken, _ in changed) and _is_square(lap, 2.0) and abs(paths.top_speed(lap) - 2.0) < 0.3,
-        f"After both were set to 2.0: {_described(lap)}. Declare both with "
-        f"a default that is a float, and read them where they are used, not in __init__.",
+        all(taken for taken, _ in changed) and _is_driven(lap, new_side, new_speed),
+        f"After side was set to {new_side} and speed to {new_speed}: {squares.described(lap)}. Declare both with a "
+        f"default that is a float, and read them where they are used, not in __init__.",
     )
-    refused = [set_parameter("/patrol", "speed", value) for value in (0.0, -1.0)]
-    speed = get_parameters("/patrol", "speed")[0]
-    expect(
-        "a speed of 0 or less is refused, with a reason",
-        all(not taken and why for taken, why in refused) and speed == 2.0,
-        f"After `ros2 param set /patrol speed` with 0.0 and -1.0 it is {speed}: a callback for "
-        f"`add_on_set_parameters_callback` that returns SetParametersResult(successful=False, reason=…).",
-    )
+    _check_limits(driven, new_speed)
     node.stop(2.0)
     current().stage.tidy()
     _check_launch()
+
+
+def _drawn() -> tuple[tuple[float, float], tuple[float, float]]:
+    """Side and speed, those of a small square and those of a large one, whichever comes first."""
+    small = round(chance().uniform(0.8, 1.2), 2), round(chance().uniform(0.8, 1.2), 2)
+    large = round(chance().uniform(1.8, 2.3), 2), round(chance().uniform(1.7, 2.2), 2)
+    return (small, large) if chance().random() < 0.5 else (large, small)
+
+
+def _check_limits(driven: Heard, speed: float) -> None:
+    """A speed of 0 or less is refused and has no effect, a small one is taken."""
+    below = round(-chance().uniform(0.1, 2.0), 2)
+    refused = {value: set_parameter("/patrol", "speed", value) for value in chance().sample([0.0, below], 2)}
+    kept = get_parameters("/patrol", "speed")[0]
+    pause(0.3)  # what it does now is what it does since
+    before = len(driven)
+    drives_on = wait(lambda: abs(paths.top_speed(driven.messages[before:]) - speed) < 0.15 * speed, 6.0)
+    small = round(chance().uniform(0.02, 0.09), 2)
+    taken, why = set_parameter("/patrol", "speed", small)
+    told = [
+        f"{value:g} was {'taken' if taken else 'refused without a reason'}"
+        for value, (taken, why) in refused.items()
+        if taken or not why.strip()
+    ]
+    told += [f"then it is {kept}"] if kept != speed else [] if drives_on else [f"then it does not drive {speed} m/s"]
+    told += [] if taken else [f"{small} was refused: {why}"]
+    expect(
+        "a speed of 0 or less is refused, with a reason; a small one is not",
+        not told,
+        f"After `ros2 param set /patrol speed` with {' and '.join(map(str, refused))}, and then {small}: "
+        f"{', '.join(told)}. A callback for `add_on_set_parameters_callback` returns "
+        f"SetParametersResult(successful=False, reason=…), and keeps nothing of what it refuses.",
+    )
 
 
 def _check_launch() -> None:
@@ -78,46 +109,63 @@ def _check_launch() -> None:
     poses = {room: listen(f"/{room}/turtle1/pose", Pose) for room in ROOMS}
 
     def metres() -> list[float]:
-        return [paths.length(heard.messages) for heard in poses.values()]
+        return [paths.length(_of_turtlesim(room, heard)) for room, heard in poses.items()]
 
-    wait(lambda: min(metres()) > 0.5, 10.0, "both turtles", 0.1)
+    wait(lambda: min(metres()) > METRES, 10.0, "both turtles", 0.1)
     expect(
         "the launch drives both turtles",
-        min(metres()) > 0.5,
+        min(metres()) > METRES,
         f"In ten seconds they drove {metres()[0]:.1f} m and {metres()[1]:.1f} m. Names of topics without a slash "
         f"at the beginning follow the namespace: `%ros2 topic info /one/turtle1/cmd_vel` shows who is there.",
     )
     actual = {room: get_parameters(f"/{room}/patrol", "side", "speed") for room in ROOMS}
-    wanted = {room: _from_file(room) for room in ROOMS}
+    stated = {room: _in_file(room) for room in ROOMS}
+    follow = all(value in stated[room][place] for room in ROOMS for place, value in enumerate(actual[room]))
     expect(
-        "each has the values of its YAML file",
-        all(wanted.values()) and actual == wanted and actual["one"] != actual["two"],
+        "each has the values of its YAML file, which differ",
+        follow and actual["one"] != actual["two"],
         f"The nodes have [side, speed] {actual['one']} and {actual['two']}, config/one.yaml and config/two.yaml say "
-        f"{wanted['one']} and {wanted['two']}, and they should differ. A file counts for the nodes that its first "
-        f"line names: /**, or the whole name with the namespace.",
+        f"{stated['one']} and {stated['two']}, and they should differ. A file counts for the nodes that its first "
+        f"line names: /**, or the whole name with the namespace; and it must be installed.",
     )
 
 
-def _from_file(room: str) -> list[Any] | None:
-    """Side and speed as the installed YAML file of a namespace has them, for whichever node."""
-    path = share("patrol") / "config" / f"{room}.yaml"
+def _of_turtlesim(room: str, heard: Heard) -> list[Any]:
+    """The poses that the simulator of a room has sent."""
+    ends = current().stage.publishers(heard.topic)
+    own = {bytes(end.endpoint_gid) for end in ends if topics.node_name(end) == f"/{room}/turtlesim"}
+    return [pose for _, pose in heard.of(own)]
+
+
+def _in_file(room: str) -> list[list[Any]]:
+    """The sides and the speeds that the installed YAML file of a namespace has, for whichever nodes."""
     try:
-        parameters = _leaves(yaml.safe_load(path.read_text()))[0]["ros__parameters"]
-        return [parameters["side"], parameters["speed"]]
-    except (OSError, yaml.YAMLError, KeyError, IndexError, TypeError):
-        return None
+        nodes = _leaves(yaml.safe_load(regular_files.text_of(share("patrol") / "config" / f"{room}.yaml") or ""))
+    except yaml.YAMLError:
+        nodes = []
+    parameters = [node["ros__parameters"] for node in nodes if isinstance(node["ros__parameters"], dict)]
+    return [[each[name] for each in parameters if name in each] for name in ("side", "speed")]
 
 
-def _leaves(nodes: Any) -> list[dict[str, Any]]:
+def _leaves(nodes: Any, depth: int = 5) -> list[dict[str, Any]]:
     """The nodes of a parameter file, below however many namespaces."""
-    if not isinstance(nodes, dict):
+    if not isinstance(nodes, dict) or depth == 0:
         return []
     if "ros__parameters" in nodes:
         return [nodes]
-    return [leaf for below in nodes.values() for leaf in _leaves(below)]
+    return [leaf for below in nodes.values() for leaf in _leaves(below, depth - 1)]
 
 
-def _lap(driven: Heard, timeout: float, turn: float = LAP) -> list[Any]:
+def _is_driven(lap: list[Any], side: float, speed: float) -> bool:
+    return squares.is_square(lap, side) and abs(paths.top_speed(lap) - speed) < 0.15 * speed
+
+
+def _turns_fast(lap: list[Any]) -> bool:
+    turns = squares.turns(lap)
+    return bool(turns) and min(turns) >= SLOWEST_TURN
+
+
+def _lap(driven: Heard, timeout: float, angle: float = squares.LAP) -> list[Any]:
     """The poses from now on until the turtle has turned by an angle, or the time is over."""
     before = len(driven)
 
@@ -125,40 +173,15 @@ def _lap(driven: Heard, timeout: float, turn: float = LAP) -> list[Any]:
         headings = paths.headings(driven.messages[before:])
         return max(map(abs, headings), default=0.0)
 
-    wait(lambda: turned() >= turn, timeout, "a lap of the turtle", 0.1)
+    wait(lambda: turned() >= angle, timeout, "a lap of the turtle", 0.1)
     return driven.messages[before:]
 
 
-def _lap_of(driven: Heard, side: float) -> list[Any]:
-    """The next lap; another one if it is no square of this side: a busy machine drives badly now and then."""
+def _lap_of(driven: Heard, is_right: Callable[[list[Any]], bool]) -> list[Any]:
+    """The next lap; another one if it is not right: a busy machine drives badly now and then."""
     for _ in range(2):
         began = time.monotonic()
         lap = _lap(driven, LAP_TIMEOUT)
-        if _is_square(lap, side) or time.monotonic() - began >= LAP_TIMEOUT:
+        if is_right(lap) or time.monotonic() - began >= LAP_TIMEOUT:
             break
     return lap
-
-
-def _extent(poses: Sequence[Any]) -> tuple[float, float]:
-    """Metres from side to side, along x and along y."""
-    if not poses:
-        return 0.0, 0.0
-    xs, ys = [pose.x for pose in poses], [pose.y for pose in poses]
-    return max(xs) - min(xs), max(ys) - min(ys)
-
-
-def _is_square(poses: Sequence[Any], side: float) -> bool:
-    """The turtle began along x: a square of this side is as wide and as high, and its way is four sides or more.
-
-    Four times the heading is the same on all its sides; on those of a triangle it is not.
-    """
-    near = 0.15 * side + 0.15
-    way = paths.length(poses)
-    fourfold = [cmath.exp(4j * pose.theta) for pose in poses if pose.linear_velocity > 0.05]
-    is_right = bool(fourfold) and abs(sum(fourfold)) / len(fourfold) > 0.7
-    return is_right and all(abs(metres - side) < near for metres in _extent(poses)) and 3.4 * side < way < 5.8 * side
-
-
-def _described(poses: Sequence[Any]) -> str:
-    (wide, high), way, speed = _extent(poses), paths.length(poses), paths.top_speed(poses)
-    return f"It drove {way:.1f} m, over {wide:.1f} m by {high:.1f} m, with up to {speed:.1f} m/s"

@@ -96,6 +96,14 @@ def end_child_loggers(name: str) -> None:
             one.__del__()  # which does nothing the second time
 
 
+def end_state_machine(node: Node) -> None:
+    """Take a lifecycle node out of the graph: its state machine would keep it there until both become garbage."""
+    machine = getattr(node, "_state_machine", None)
+    if machine is not None:
+        expect("rclpy", machine, "destroy_when_not_in_use")
+        machine.destroy_when_not_in_use()
+
+
 def pending_requests(client: Client) -> list[Future]:
     """The futures of a client's requests that wait for an answer."""
     expect("rclpy", client, "_pending_requests")

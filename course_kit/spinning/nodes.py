@@ -12,7 +12,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from course_kit.internals.rclpy_parts import replace
+from course_kit.internals.rclpy_parts import end_state_machine, replace
 
 # rclpy 7.1.6 loses 0.1 MB with every node that has this service.
 WITHOUT_DESCRIPTIONS = [Parameter("start_type_description_service", value=False)]
@@ -78,7 +78,7 @@ def construct(node_class: type[Node], args: Sequence[Any], kwargs: Mapping[str, 
 
 
 def destroy(node: Node) -> None:
-    """Destroy a node that no executor spins any more, with its action servers and clients, which rclpy leaves."""
+    """Destroy a node that no executor spins any more, with its actions and its state machine, which rclpy leaves."""
     try:
         node.destroy_node()  # first: the student's own may destroy an action server, which goes only once
     except Exception:  # the student's own fails, or has done it before
@@ -87,6 +87,8 @@ def destroy(node: Node) -> None:
     for one in actions_of(node):
         with contextlib.suppress(Exception):
             one.destroy()
+    with contextlib.suppress(Exception):
+        end_state_machine(node)
 
 
 def actions_of(node: Node) -> list[Any]:

@@ -45,6 +45,11 @@ class World:
         self._lock = threading.RLock()
         self.spawn("", MIDDLE, MIDDLE, 0.0, now)
 
+    @property
+    def field(self) -> Field:
+        """What the turtles draw on."""
+        return self._field
+
     def take_log(self) -> list[TurtleLogLine]:
         """The log lines since the last call."""
         with self._lock:

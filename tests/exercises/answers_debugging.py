@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+from tests.exercises import answers_debugging_mileage, answers_debugging_monitor, answers_debugging_watchdog
 from tests.exercises.answers_topics import changed
 from tests.exercises.chapter import Answers, Wrong
 
@@ -41,23 +44,76 @@ class Quiet(Node):
 turtlesim, quiet = run(TurtleSim), run(Quiet)
 """
 
-WATCHDOG = """
+CHILD = """
 stop()
-from std_msgs.msg import Bool
+from rclpy.qos import qos_profile_sensor_data as anyhow
 
-class Watchdog(Node):
+class Quiet(Node):
     def __init__(self):
-        super().__init__("watchdog")
-        self.came = -1e9
-        self.publisher = self.create_publisher(Bool, "scan_alive", 10)
-        self.create_subscription(LaserScan, "scan", self.on_scan, qos_profile_sensor_data)
-        self.create_timer(0.2, self.tick)
+        Node.__init__(self, "quiet", enable_logger_service=True)
+        self.told, self.details = None, self.get_logger().get_child("pose")
+        self.create_subscription(Pose, "/turtle1/pose", self.on_pose, anyhow)
+        self.get_logger().info("I tell where the turtle is")
 
-    def on_scan(self, scan):
-        self.came = time.monotonic()
+    def on_pose(self, pose):
+        self.details.debug(f"{pose}")
+        now = self.get_clock().now()
+        if self.told is None or (now - self.told).nanoseconds >= 1_000_000_000:
+            self.details.info(f"x = {pose.x}")
+            self.told = now
+
+turtlesim, quiet = run(TurtleSim), run(Quiet)
+"""
+
+TIMER = """
+stop()
+from rclpy.lifecycle import LifecycleNode
+
+class Quiet(LifecycleNode):
+    def __init__(self):
+        super().__init__("quiet", enable_logger_service=True)
+        self.last = None
+        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 50)
+        self.create_timer(1.0, self.tell)
+
+    def on_pose(self, pose):
+        self.last = pose
+        self.get_logger().debug(f"at {pose.x:.3f} m, {pose.y:.3f} m")
+
+    def tell(self):
+        if self.last is not None:
+            self.get_logger().info(f"x = {self.last.x:.1f} m")
+            self.get_logger().warning("the turtle has no brakes", throttle_duration_sec=2.0)
+
+turtlesim, quiet = run(TurtleSim), run(Quiet)
+"""
+
+DRIVEN = """
+stop()
+import threading
+from rclpy.executors import MultiThreadedExecutor
+
+class Quiet(Node):
+    def __init__(self):
+        super().__init__("quiet", enable_logger_service=True)
+        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 10)
+
+    async def on_pose(self, pose):
+        self.get_logger().debug("x = %.2f" % pose.x)
+        self.get_logger().info("x = %.2f" % pose.x, throttle_duration_sec=2.5)
+
+class Driver(Node):
+    def __init__(self):
+        super().__init__("driver")
+        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
+        self.create_timer(0.1, self.tick)
 
     def tick(self):
-        self.publisher.publish(Bool(data=time.monotonic() - self.came < 0.5))
+        twist = Twist()
+        twist.linear.x, twist.angular.z = 1.0, 1.0
+        self.publisher.publish(twist)
+
+turtlesim, quiet, driver = run(TurtleSim), run(Quiet), run(Driver)
 """
 
 CIRCLE = """
@@ -82,58 +138,143 @@ stop()
 circle = "circle"
 """
 
-MILEAGE = """
-from std_msgs.msg import Float32
+DRIVE = """
+stop()
 
-class Mileage(Node):
+class Driver(Node):
     def __init__(self):
-        super().__init__("mileage")
-        self.before, self.way = None, 0.0
-        self.publisher = self.create_publisher(Float32, "mileage", 10)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 50)
+        super().__init__("driver")
+        self.forward, self.turning = 0.0, 0.0
+        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
+        self.create_timer(0.1, self.tick)
 
-    def on_pose(self, pose):
-        here = (pose.x, pose.y)
-        step = math.dist(here, self.before) if self.before else 0.0
-        if step <= 0.2:
-            self.way += step
-        self.before = here
-        self.publisher.publish(Float32(data=self.way))
+    def tick(self):
+        twist = Twist()
+        twist.linear.x, twist.angular.z = self.forward, self.turning
+        self.publisher.publish(twist)
+
+def drive(forward, turning, seconds):
+    driver.forward, driver.turning = forward, turning
+    time.sleep(seconds)
+
+turtlesim, driver = run(TurtleSim), run(Driver)
 """
 
-MONITOR = """
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-
-class Monitor(Node):
-    wanted = {"/scan": 10.0, "/turtle1/pose": 62.5}
-
-    def __init__(self):
-        super().__init__("monitor")
-        self.counts = dict.fromkeys(self.wanted, 0)
-        self.publisher = self.create_publisher(DiagnosticArray, "diagnostics", 10)
-        self.create_subscription(LaserScan, "scan", lambda scan: self.count("/scan"), qos_profile_sensor_data)
-        self.create_subscription(Pose, "turtle1/pose", lambda pose: self.count("/turtle1/pose"), 50)
-        self.create_timer(1.0, self.report)
-
-    def count(self, topic):
-        self.counts[topic] += 1
-
-    def report(self):
-        report = DiagnosticArray()
-        report.header.stamp = self.get_clock().now().to_msg()
-        for topic, rate in self.wanted.items():
-            came, self.counts[topic] = self.counts[topic], 0
-            level = DiagnosticStatus.STALE if came == 0 else DiagnosticStatus.WARN
-            level = DiagnosticStatus.OK if came >= 0.8 * rate else level
-            value = KeyValue(key="rate", value=str(float(came)))
-            report.status.append(DiagnosticStatus(name=topic, level=level, values=[value]))
-        self.publisher.publish(report)
+# Through the field, a rest, two rounds to the right, the turtle's own bag format; its path as an object.
+ROUNDS = f"""{DRIVE}
+with bags.record("rounds", "turtle1/pose", "turtle1/cmd_vel", storage="sqlite3", overwrite=True) as bag:
+    drive(1.5, 0.0, 1.0)
+    drive(0.0, 0.0, 0.5)
+    drive(-3.0, -3.0, 4.5)
+stop()
+circle = bag.path
 """
+
+# One command a second holds just so long.
+SELDOM = """
+stop()
+import pathlib
+
+run(TurtleSim)
+driver = run(Node, "driver")
+publisher = driver.create_publisher(Twist, "turtle1/cmd_vel", 10)
+twist = Twist()
+twist.linear.x, twist.angular.z = 1.0, 1.0
+with bags.record("circle", "/turtle1/pose", "/turtle1/cmd_vel", overwrite=True) as bag:
+    wait_for(lambda: publisher.get_subscription_count() == 2)
+    for _ in range(7):
+        publisher.publish(twist)
+        time.sleep(1.0)
+stop()
+circle = pathlib.Path("circle").resolve()
+"""
+
+
+def drives(*parts: tuple[float, float, float]) -> str:
+    """A bag of a drive in parts: m/s, rad/s, seconds."""
+    lines = "".join(f"    drive({forward}, {turning}, {seconds})\n" for forward, turning, seconds in parts)
+    record = 'with bags.record("circle", "/turtle1/pose", "/turtle1/cmd_vel", overwrite=True):'
+    return f'{DRIVE}\n{record}\n{lines}stop()\ncircle = "circle"\n'
+
 
 PATIENTS = """
 stop()
 faults.start(seed=17)
 start("ros2 run patrol map_server", name="map_server")
+seed_9, seed_31, seed_17 = "not_sourced", "clock", "queue"
+"""
+
+# As the manual starts it, but with a queue that is just long enough, and the planner anew.
+SHORT_QUEUE = changed(
+    PATIENTS,
+    (
+        'start("ros2 run patrol map_server", name="map_server")',
+        'depth = "qos_overrides./scan.subscription.depth:=6"\n'
+        'start(f"ros2 run patrol map_server --ros-args -p {depth}", name="map_server")\n'
+        'start("ros2 run patrol planner --ros-args -r cmd_vel:=turtle1/cmd_vel", name="planner")',
+    ),
+)
+
+ALL_ANEW = """
+faults.stop()
+from course_kit.faults.surroundings import source_robot
+source_robot()
+for program in ("simulator", "scanner", "map_server"):
+    start(f"ros2 run patrol {program}", name=program)
+start("ros2 run patrol planner --ros-args -r cmd_vel:=turtle1/cmd_vel -p speed:=0.8", name="planner")
+seed_9, seed_31, seed_17 = ["not_sourced", "clock", "queue"]
+"""
+
+FOUR_PUBLISHERS = """
+faults.stop()
+from std_msgs.msg import Int32
+
+class Robot(Node):
+    def __init__(self):
+        super().__init__("robot")
+        self.pose, self.counted = Pose(x=1.0, y=1.0, linear_velocity=1.0), 0
+        self.poses = self.create_publisher(Pose, "turtle1/pose", 10)
+        self.scans = self.create_publisher(LaserScan, "scan", 10)
+        self.commands = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
+        self.counts = self.create_publisher(Int32, "map_scans", 10)
+        self.create_timer(0.016, self.move)
+        self.create_timer(0.1, self.work)
+        self.create_timer(0.5, self.count)
+
+    def move(self):
+        self.pose.x = 1.0 + (self.pose.x - 1.0 + 0.016) % 9.0
+        self.poses.publish(self.pose)
+
+    def work(self):
+        self.scans.publish(LaserScan(ranges=[2.0] * 36))
+        self.commands.publish(Twist())
+
+    def count(self):
+        self.counted += 5
+        self.counts.publish(Int32(data=self.counted))
+
+run(Robot)
+seed_9, seed_31, seed_17 = "not_sourced", "clock", "queue"
+"""
+
+FALSE_COUNT = """
+stop()
+faults.start(seed=17)
+from std_msgs.msg import Int32
+
+class Counter(Node):
+    def __init__(self):
+        super().__init__("counter")
+        self.counted, self.counts = 0, self.create_publisher(Int32, "map_scans", 10)
+        self.create_timer(0.5, self.count)
+
+    def count(self):
+        self.counted += 5
+        self.counts.publish(Int32(data=self.counted))
+
+queue_of_one = "--ros-args -p qos_overrides./scan.subscription.depth:=1 -r map_scans:=elsewhere"
+start(f"ros2 run patrol map_server {queue_of_one}", name="map_server")
+run(Counter)
 seed_9, seed_31, seed_17 = "not_sourced", "clock", "queue"
 """
 
@@ -146,7 +287,13 @@ ANSWERS = [
             Wrong("swapped", changed(KEEPS, ('"/speed_limit", "/scan"', '"/scan", "/speed_limit"')), 0, "Durability"),
             Wrong("half", changed(KEEPS, ('"/scan"', '"/map_scans"')), 1, "Reliability BEST_EFFORT"),
             Wrong("node", changed(KEEPS, ('"/speed_limit"', '"/map_server"')), 1, "Durability TRANSIENT_LOCAL"),
+            Wrong("both", changed(KEEPS, ('"/speed_limit"', '["/speed_limit", "/scan"]')), 1, "You gave ["),
         ],
+        {
+            "no_slash": 'kept, lossy = "speed_limit", " scan"',
+            "alone": 'import numpy as np\nkept, lossy = {"/speed_limit"}, np.array(["/scan"])',
+            "hidden": changed(KEEPS, ('"/speed_limit"', '"/turtle1/rotate_absolute/_action/status"')),
+        },
     ),
     Answers(
         "debugging-2",
@@ -157,18 +304,37 @@ ANSWERS = [
             Wrong("no_service", changed(QUIET, (", enable_logger_service=True", "")), 1, "enable_logger_service=True"),
             Wrong("no_debug", changed(QUIET, ("        self.get_logger().debug(text)\n", "")), 2, "`debug(…)` for"),
             Wrong("no_turtle", changed(QUIET, ("turtlesim, quiet = run(TurtleSim), run", "quiet = run")), 0, "run(Tur"),
+            Wrong("y", changed(QUIET, ("{pose.x:.2f}", "{pose.y:.2f}")), 1, "log `pose.x` of the message"),
+            Wrong("constant", changed(QUIET, ("info(text", 'info("x = 5.54"')), 2, "no pose with the x of 'x = 5.54'"),
+            Wrong("fast", changed(QUIET, ("sec=1.0", "sec=0.5")), 2, "leaves the others out"),
+            Wrong("once", changed(QUIET, ("throttle_duration_sec=1.0", "once=True")), 2, "it logged 0 lines"),
+            Wrong("warning", changed(QUIET, ("info(text", "warning(text")), 2, "not all of them as INFO"),
+            Wrong(
+                "others",
+                changed(
+                    QUIET,
+                    (
+                        "        self.get_logger().debug",
+                        '        self.get_logger().info("pose")\n        self.get_logger().debug',
+                    ),
+                ),
+                2,
+                "other lines as INFO",
+            ),
+            Wrong(
+                "own_level",
+                changed(QUIET, ("        text =", "        self.get_logger().set_level(10)\n        text =")),
+                2,
+                "it goes on to log DEBUG",
+            ),
+            Wrong(
+                "every_second",
+                changed(QUIET, (".debug(text)", ".debug(text, skip_first=True, throttle_duration_sec=0.03)")),
+                2,
+                "of them have the x",
+            ),
         ],
-    ),
-    Answers(
-        "debugging-3",
-        3,
-        WATCHDOG,
-        [
-            Wrong("qos", changed(WATCHDOG, ("on_scan, qos_profile_sensor_data", "on_scan, 10")), 1, "RELIABLE"),
-            Wrong("for_ever", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 1e6")), 2, "not within 2 s"),
-            Wrong("true_first", changed(WATCHDOG, ("-1e9", "time.monotonic() + 2.0")), 2, "Nothing had come yet"),
-            Wrong("rate", changed(WATCHDOG, ("0.2, self.tick", "0.1, self.tick")), 2, "ros2 topic hz /scan_alive"),
-        ],
+        {"child": CHILD, "timer": TIMER, "driven": DRIVEN},
     ),
     Answers(
         "debugging-4",
@@ -176,34 +342,21 @@ ANSWERS = [
         CIRCLE,
         [
             Wrong("topics", changed(CIRCLE, (', "/turtle1/cmd_vel", over', ", over")), 1, "name the topics"),
-            Wrong("slow", changed(CIRCLE, ("2.0, 1.2", "0.5, 0.4")), 1, "a circle takes"),
+            Wrong("slow", changed(CIRCLE, ("2.0, 1.2", "0.5, 0.4")), 1, "A circle takes"),
             Wrong("no_bag", changed(CIRCLE, ('circle = "circle"', 'circle = "square"')), 0, "in which the notebook"),
-        ],
-    ),
-    Answers(
-        "debugging-5",
-        3,
-        MILEAGE,
-        [
-            Wrong("teleport", changed(MILEAGE, ("if step <= 0.2", "if step <= 1e9")), 2, "Leave out a step"),
             Wrong(
-                "stuck",
-                changed(
-                    MILEAGE,
-                    ("        self.before = here\n", ""),
-                    ("way += step\n", "way += step\n            self.before = here\n"),
-                ),
-                2,
-                "go on from where",
+                "all_topics",
+                changed(CIRCLE, ('"/turtle1/pose", "/turtle1/cmd_vel", ', ""), ("440", "1000")),
+                1,
+                "name the topics",
             ),
-            Wrong(
-                "no_first",
-                changed(MILEAGE, ("        self.publisher.publish", "        if step: self.publisher.publish")),
-                2,
-                "also for the first one",
-            ),
-            Wrong("no_before", changed(MILEAGE, (" if self.before else 0.0", "")), 0, "61 poses there were 0 messages"),
+            Wrong("short", changed(CIRCLE, ("2.0, 1.2", "2.0, 3.0"), ("440", "200")), 1, "drive while it records"),
+            Wrong("spins", drives((2.0, 0.0, 2.0), (0.0, 3.0, 4.0)), 1, "drive and turn at the same time"),
+            Wrong("too_slow", drives((2.0, 0.0, 1.0), (0.8, 1.5, 5.0)), 1, "0.8 m/s where it is slowest"),
+            Wrong("square", drives(*[(2.0, 0.0, 1.0), (0.0, math.pi / 2, 1.0)] * 4), 1, "never round on one circle"),
+            Wrong("spiral", drives(*[(1.0 + 0.5 * n, 1.5, 0.7) for n in range(8)]), 1, "never round on one circle"),
         ],
+        {"path": changed(CIRCLE, ('circle = "circle"', "circle = bag.path")), "rounds": ROUNDS, "seldom": SELDOM},
     ),
     Answers(
         "debugging-6",
@@ -218,22 +371,12 @@ ANSWERS = [
                 3,
                 "the map",
             ),
+            Wrong("four_publishers", FOUR_PUBLISHERS, 3, "its scans are from where its turtle is put"),
+            Wrong("false_count", FALSE_COUNT, 3, "twice the scans get into the map"),
         ],
+        {"short_queue": SHORT_QUEUE, "all_anew": ALL_ANEW},
     ),
-    Answers(
-        "debugging-7",
-        5,
-        MONITOR,
-        [
-            Wrong("no_stale", changed(MONITOR, ("STALE if came == 0 else DiagnosticStatus.WARN", "WARN")), 4, "STALE"),
-            Wrong(
-                "grows",
-                changed(MONITOR, ("came, self.counts[topic] = self.counts[topic], 0", "came = self.counts[topic]")),
-                3,
-                "at a third",
-            ),
-            Wrong("names", changed(MONITOR, ("name=topic", "name=topic[1:]")), 1, "with the topic as its name"),
-            Wrong("no_rate", changed(MONITOR, (", values=[value]", "")), 4, "KeyValue"),
-        ],
-    ),
+    answers_debugging_watchdog.ANSWERS,
+    answers_debugging_mileage.ANSWERS,
+    answers_debugging_monitor.ANSWERS,
 ]

@@ -1,16 +1,24 @@
-"""Answers to chapter 4's exercises: one that is right, and wrong ones that students give."""
+"""Answers to chapter 4's exercises: right ones in several styles, and wrong ones that students give."""
 
 from __future__ import annotations
 
-from tests.exercises.answers_topics import changed
-from tests.exercises.chapter import Answers, Wrong
+from tests.exercises import (
+    answers_services_client,
+    answers_services_parallel,
+    answers_services_star,
+    answers_services_three_times,
+)
+from tests.exercises.chapter import Answers, Wrong, changed
 
 CELLS = ()  # of the chapter that are run: what they import is below
 PREPARE = """
+import rclpy
 from example_interfaces.srv import AddTwoInts
 from rclpy.node import Node
 
 from course_kit import run, wait_for
+
+rclpy.init()
 """
 
 LAMP = """
@@ -31,103 +39,93 @@ class Lamp(Node):
 lamp = run(Lamp)
 """
 
-SAFE_CLIENT = """
-import time
+LAMP_WITH_A_PROPERTY = """
+import threading
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
+from std_srvs.srv import SetBool
 
-class SafeClient(Node):
+class Switch:
+    @property
+    def is_on(self):
+        with self.lock:
+            return self._on
+
+    def turn(self, on):
+        with self.lock:
+            before, self._on = self._on, bool(on)
+        return before != on
+
+class Lamp(Switch, Node):
     def __init__(self):
-        super().__init__("safe_client")
-        self.client = self.create_client(AddTwoInts, "add_two_ints")
+        Node.__init__(self, node_name="lamp")
+        self.lock, self._on = threading.Lock(), False
+        self.create_service(SetBool, "/lamp", self.serve, callback_group=ReentrantCallbackGroup())
 
-    def add(self, a, b, timeout):
-        end = time.monotonic() + timeout
-        if not self.client.wait_for_service(timeout_sec=timeout):
-            return None
-        future = self.client.call_async(AddTwoInts.Request(a=a, b=b))
-        try:
-            return wait_for(future, timeout=end - time.monotonic()).sum
-        except TimeoutError:
-            self.client.remove_pending_request(future)
-            return None
+    def serve(self, request, response):
+        changed = self.turn(request.data)
+        return SetBool.Response(success=changed, message="on" if request.data else "off")
+
+lamp = run(Lamp, executor=MultiThreadedExecutor())
 """
 
-ADD_THREE_TIMES = """
-from rclpy.callback_groups import ReentrantCallbackGroup
+LAMP_MANAGED = """
+import numpy as np
+from rclpy.lifecycle import LifecycleNode
+from std_srvs.srv import SetBool
 
-class AddThreeTimes(Node):
-    def __init__(self):
-        super().__init__("add_three_times")
-        self.client = self.create_client(AddTwoInts, "add_two_ints", callback_group=ReentrantCallbackGroup())
-        self.service = self.create_service(AddTwoInts, "add_three_times", self.serve)
+class Lamp(LifecycleNode):
+    is_on = np.bool_(False)
 
-    async def ask(self, a, b):
-        return (await self.client.call_async(AddTwoInts.Request(a=a, b=b))).sum
+    def __init__(self, **options):
+        super().__init__("lamp", **options)
+        self.srv = self.create_service(SetBool, "~/", self.switch) if False else self.create_service(
+            SetBool, "lamp", self.switch)
 
-    async def serve(self, request, response):
-        once = await self.ask(request.a, request.b)
-        twice = await self.ask(once, once)
-        response.sum = await self.ask(twice, once)
+    async def switch(self, request, response):
+        was, self.is_on = self.is_on, np.bool_(request.data)
+        response.success = bool(was ^ self.is_on)
+        response.message = {True: "on", False: "off"}[bool(self.is_on)]
+        self.get_logger().get_child("switch").info(f"the lamp is {response.message}")
         return response
 """
 
-PARALLEL = """
-import time
-from rclpy.callback_groups import ReentrantCallbackGroup
+LAMP_BY_CASES = """
+from std_msgs.msg import Bool
+from std_srvs.srv import SetBool
 
-class ParallelServer(Node):
+class Lamp(Node):
     def __init__(self):
-        super().__init__("add_two_ints_server")
-        group = ReentrantCallbackGroup()
-        self.service = self.create_service(AddTwoInts, "add_two_ints", self.add, callback_group=group)
+        super().__init__("lamp")
+        self.is_on = False
+        self.state = self.create_publisher(Bool, "lamp/state", 1)
+        self.create_service(SetBool, "lamp", lambda request, response: self.on(response) if request.data else
+                            self.off(response))
 
-    def add(self, request, response):
-        time.sleep(0.3)
-        response.sum = request.a + request.b
+    def on(self, response):
+        response.message, response.success, self.is_on = "on", not self.is_on, True
+        self.state.publish(Bool(data=True))
+        return response
+
+    def off(self, response):
+        response.message, response.success, self.is_on = "off", self.is_on, False
+        self.state.publish(Bool(data=False))
         return response
 """
 
-STAR = """
-import math
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.task import Future
-from std_srvs.srv import Trigger
-from turtlesim.msg import Pose
-from turtlesim.srv import SetPen, TeleportAbsolute
+LAMP_REPLAYED = """
+from std_srvs.srv import SetBool
 
-class StarPainter(Node):
+class Lamp(Node):
+    is_on = False
+
     def __init__(self):
-        super().__init__("star_painter")
-        group = ReentrantCallbackGroup()
-        self.pen = self.create_client(SetPen, "turtle1/set_pen", callback_group=group)
-        self.jump = self.create_client(TeleportAbsolute, "turtle1/teleport_absolute", callback_group=group)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 1, callback_group=group)
-        self.create_service(Trigger, "draw_star", self.draw)
-        self.waiting = []
+        super().__init__("lamp")
+        self.create_service(SetBool, "lamp", self.switch)
+        self.answers = iter([(True, "on"), (False, "on"), (True, "off"), (False, "off")] * 9)
 
-    def on_pose(self, pose):
-        for x, y, future in list(self.waiting):
-            if math.dist((pose.x, pose.y), (x, y)) < 0.02:
-                self.waiting.remove((x, y, future))
-                future.set_result(None)
-
-    async def go(self, x, y):
-        await self.jump.call_async(TeleportAbsolute.Request(x=x, y=y))
-        future = Future()
-        self.waiting.append((x, y, future))
-        await future
-
-    async def draw(self, request, response):
-        if not self.jump.wait_for_service(timeout_sec=1.0):
-            response.message = "no turtle"
-            return response
-        angles = [math.pi / 2 + 2 * number * math.tau / 5 for number in range(6)]
-        corners = [(5.54 + 4 * math.cos(a), 5.54 + 4 * math.sin(a)) for a in angles]
-        await self.pen.call_async(SetPen.Request(off=1))
-        await self.go(*corners[0])
-        await self.pen.call_async(SetPen.Request(r=255, g=255, b=0, width=4))
-        for corner in corners[1:]:
-            await self.go(*corner)
-        response.success, response.message = True, "5 lines"
+    def switch(self, request, response):
+        response.success, response.message = next(self.answers)
         return response
 """
 
@@ -158,6 +156,47 @@ ANSWERS = [
                 0,
                 "✘ it answers request",  # the second or, where that was faster than the end of the service, the third,
             ),
+            Wrong("begins_on", changed(LAMP, ("self.is_on = False", "self.is_on = True")), 1, "began as True"),
+            Wrong("begins_unknown", changed(LAMP, ("self.is_on = False", "self.is_on = None")), 1, "began as None"),
+            Wrong(
+                "toggles",
+                changed(LAMP, ("self.is_on = request.data", "self.is_on = not self.is_on")),
+                0,
+                "set self.is_on first",
+            ),
+            Wrong("success_is_data", changed(LAMP, ("request.data != self.is_on", "request.data")), 1, "compare"),
+            Wrong(
+                "state_of_the_class",
+                changed(
+                    LAMP,
+                    ("class Lamp(Node):", "class Lamp(Node):\n    is_on = False\n"),
+                    ("        self.is_on = False\n", ""),
+                    ("self.is_on = request.data", "type(self).is_on = request.data"),
+                ),
+                1,
+                "each new lamp begins with False",
+            ),
+            Wrong(
+                "never_off",
+                changed(LAMP, ("self.is_on = request.data", "self.is_on = self.is_on or request.data")),
+                0,
+                "set self.is_on first",
+            ),
+            Wrong(
+                "state_elsewhere",
+                changed(
+                    LAMP,
+                    ("        self.is_on = False\n", "        self.is_on = self._on = False\n"),
+                    ("self.is_on = request.data", "self._on = request.data"),
+                    ("!= self.is_on", "!= self._on"),
+                    ("if self.is_on else", "if self._on else"),
+                ),
+                1,
+                "set self.is_on first",
+            ),
+            Wrong("capitals", changed(LAMP, ('"on" if', '"On" if')), 1, "its messages were"),
+            Wrong("replayed", LAMP_REPLAYED, 0, "compare request.data"),
+            Wrong("no_attribute", changed(LAMP, ("is_on", "on")), 0, "no readable `self.is_on`"),
             Wrong(
                 "type", changed(LAMP, ('(SetBool, "lamp"', '(Trigger, "lamp"')), 0, "Its type is std_srvs/srv/Trigger"
             ),
@@ -165,154 +204,10 @@ ANSWERS = [
                 "name", changed(LAMP, ('"lamp", self.switch', '"lamp/switch", self.switch')), 0, "Nobody serves `/lamp`"
             ),
         ],
+        {"property": LAMP_WITH_A_PROPERTY, "managed": LAMP_MANAGED, "cases": LAMP_BY_CASES},
     ),
-    Answers(
-        "services-2",
-        2,
-        SAFE_CLIENT,
-        [
-            Wrong("raises", changed(SAFE_CLIENT, ("except TimeoutError:", "except ValueError:")), 1, "TimeoutError"),
-            Wrong("hangs", changed(SAFE_CLIENT, ("timeout_sec=timeout", "")), 0, "did not return within 4 s"),
-            Wrong(
-                "no_wait_for_service",
-                changed(
-                    SAFE_CLIENT,
-                    ("if not self.client.wait_for_service(timeout_sec=timeout):", "if False:"),
-                    ("            self.client.remove_pending_request(future)\n", ""),
-                ),
-                1,
-                "futures still wait in the client",
-            ),
-            Wrong(
-                "leaves_future",
-                changed(SAFE_CLIENT, ("            self.client.remove_pending_request(future)\n", "")),
-                1,
-                "1 futures still wait",
-            ),
-            Wrong(
-                "fixed_timeout",
-                changed(SAFE_CLIENT, ("timeout_sec=timeout", "timeout_sec=2.0"), ("end - time.monotonic()", "2.0")),
-                1,
-                "`timeout` is for both waits together",
-            ),
-            Wrong(
-                "zero",
-                changed(
-                    SAFE_CLIENT, ("            return None\n        future", "            return 0\n        future")
-                ),
-                1,
-                "It returned 0 without a server",
-            ),
-            Wrong(
-                "future",
-                changed(SAFE_CLIENT, ("wait_for(future, timeout=end - time.monotonic()).sum", "future")),
-                0,
-                "is no plain value",
-            ),
-        ],
-    ),
-    Answers(
-        "services-3",
-        3,
-        ADD_THREE_TIMES,
-        [
-            Wrong(
-                "deadlock",
-                changed(ADD_THREE_TIMES, ("await self.client.call_async(", "self.client.call(")),
-                0,
-                "client.call() inside a callback",
-            ),
-            Wrong(
-                "same_group",
-                changed(ADD_THREE_TIMES, (", callback_group=ReentrantCallbackGroup()", "")),
-                0,
-                "a callback group of its own",
-            ),
-            Wrong(
-                "adds_itself",
-                changed(ADD_THREE_TIMES, ("await self.ask(twice, once)", "twice + once")),
-                1,
-                "It asked 2 times",
-            ),
-            Wrong(
-                "sums_three",
-                changed(
-                    ADD_THREE_TIMES,
-                    ("await self.ask(once, once)", "once + await self.ask(request.a, request.b)"),
-                    ("await self.ask(twice, once)", "twice + await self.ask(request.a, request.b)"),
-                ),
-                2,
-                "let the server add the sums",
-            ),
-            Wrong(
-                "future_as_sum",
-                changed(
-                    ADD_THREE_TIMES,
-                    (
-                        "(await self.client.call_async(AddTwoInts.Request(a=a, b=b))).sum",
-                        "self.client.call_async(AddTwoInts.Request(a=a, b=b)).sum",
-                    ),
-                ),
-                0,
-                "AttributeError",
-            ),
-        ],
-    ),
-    Answers(
-        "services-4",
-        3,
-        PARALLEL,
-        [
-            Wrong("one_group", changed(PARALLEL, (", callback_group=group", "")), 2, "MutuallyExclusiveCallbackGroup"),
-            Wrong("no_work", changed(PARALLEL, ("        time.sleep(0.3)\n", "")), 2, "keeps the time.sleep(0.3)"),
-            Wrong("wrong_sum", changed(PARALLEL, ("request.a + request.b", "request.a")), 2, "1 + 2 gave 1"),
-            Wrong(
-                "shared_state",
-                changed(
-                    PARALLEL,
-                    (
-                        "        time.sleep(0.3)\n        response.sum = request.a + request.b",
-                        "        self.last = request.a + request.b\n        time.sleep(0.3)\n        response.sum = "
-                        "self.last",
-                    ),
-                ),
-                2,
-                "0 + 10, 1 + 10, 2 + 10 gave",
-            ),
-            Wrong(
-                "name",
-                changed(PARALLEL, ('__init__("add_two_ints_server")', '__init__("parallel_server")')),
-                0,
-                "Your node is called /parallel_server",
-            ),
-        ],
-    ),
-    Answers(
-        "services-5",
-        5,
-        STAR,
-        [
-            Wrong(
-                "no_tick",
-                changed(STAR, ("        self.waiting.append((x, y, future))\n        await future\n", "")),
-                3,
-                "A teleport happens at the next tick",
-            ),
-            Wrong("pentagon", changed(STAR, ("math.pi / 2 + 2 * number", "math.pi / 2 + number")), 2, "of the 5 lines"),
-            Wrong("width", changed(STAR, ("width=4", "width=2")), 4, "`width=4`"),
-            Wrong(
-                "colour",
-                changed(STAR, ("r=255, g=255, b=0", "r=255, g=165, b=0")),
-                2,
-                "0 of the 5 lines are there in yellow",
-            ),
-            Wrong(
-                "no_turtle_hangs",
-                changed(STAR, ("self.jump.wait_for_service(timeout_sec=1.0)", "True")),
-                4,
-                "No response came",
-            ),
-            Wrong("message", changed(STAR, ("5 lines", "done")), 4, "It said success=True, 'done'"),
-        ],
-    ),
+    *answers_services_client.ANSWERS,
+    *answers_services_three_times.ANSWERS,
+    *answers_services_parallel.ANSWERS,
+    *answers_services_star.ANSWERS,
 ]

@@ -1,9 +1,10 @@
-"""Answers to chapter 1's exercises: one that is right, and wrong ones that students give."""
+"""Answers to chapter 1's exercises: right ones, and wrong ones that students give."""
 
 from __future__ import annotations
 
-from tests.exercises.answers_topics import changed
-from tests.exercises.chapter import Answers, Wrong
+from tests.exercises import answers_setup_corners as corners
+from tests.exercises import answers_setup_robots as robots
+from tests.exercises.chapter import Answers, Wrong, changed
 
 REPORT = """
 stop()
@@ -32,65 +33,126 @@ class Greeter(Node):
 greeter = run(Greeter)
 """
 
-CORNERS = """
-import math
-from geometry_msgs.msg import Twist
-from turtlesim.msg import Pose
+# Where the nodes are says the middleware, not a variable that is set later; what follows the check restores it.
+ELSEWHERE = """
+stop()
+before, cells = os.environ["ROS_DOMAIN_ID"], []
+os.environ["ROS_DOMAIN_ID"] = str((int(before) + 1) % 100)
+domain = int(os.environ["ROS_DOMAIN_ID"])
+discovery_range = os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]
 
+def restore(result):
+    cells.append(result)
+    if len(cells) == 2:
+        os.environ["ROS_DOMAIN_ID"] = before
+        get_ipython().events.unregister("post_run_cell", restore)
+
+get_ipython().events.register("post_run_cell", restore)
+"""
+
+REPORTS = {
+    "numpy": """
+domain = np.array([os.environ["ROS_DOMAIN_ID"]], dtype=np.uint8)[0]
+discovery_range = np.array(["LOCALHOST"])[0]
+""",
+    "asks_ros": """
+domain = rclpy.get_default_context().get_domain_id()
+discovery_range = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+""",
+    "asks_the_report": """
+details = {check.name.lower(): check.detail for check in report.checks}
+domain = int(next(details[name] for name in details if "domain" in name))
+discovery_range = next(details[name] for name in details if "range" in name or "discovery" in name)
+""",
+}
+
+OTHER_SAYS_IT = """
 stop()
 
-class Tour(Node):
-    goals = [(10.0, 1.0), (10.0, 10.0), (1.0, 10.0), (1.0, 1.0)]
-
+class Greeter(Node):
     def __init__(self):
-        super().__init__("tour")
-        self.left = list(self.goals)
-        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-        self.create_subscription(Pose, "turtle1/pose", self.steer, 1)
+        super().__init__("greeter")
 
-    def steer(self, pose):
-        twist = Twist()
-        if self.left:
-            dx, dy = self.left[0][0] - pose.x, self.left[0][1] - pose.y
-            turn = math.remainder(math.atan2(dy, dx) - pose.theta, math.tau)
-            twist.linear.x, twist.angular.z = 8.0 * max(0.0, math.cos(turn)), 8.0 * turn
-            if math.hypot(dx, dy) < 0.4:
-                self.left.pop(0)
-        self.publisher.publish(twist)
+class Friend(Node):
+    def __init__(self):
+        super().__init__("friend")
+        self.get_logger().info("Nice to meet you, Ada")
 
-turtlesim = run(TurtleSim)
-corners = record("/turtle1/pose")
-tour = run(Tour)
-wait_for(lambda: not tour.left, timeout=30)
-wait_for(lambda: corners.messages[-1].linear_velocity == 0.0)
+greeter, friend = run(Greeter), run(Friend)
 """
 
-TELEPORT = """
-from turtlesim.srv import TeleportAbsolute
-
+MUCH_LATER = """
 stop()
-turtlesim = run(TurtleSim)
-node = run(Node, "jumper")
-jump = node.create_client(TeleportAbsolute, "turtle1/teleport_absolute")
-jump.wait_for_service(timeout_sec=5.0)
-corners = record("/turtle1/pose")
-wait_for(lambda: len(corners) > 60)
-for x, y in [(1.0, 1.0), (10.0, 1.0), (10.0, 10.0), (1.0, 10.0)]:
-    wait_for(jump.call_async(TeleportAbsolute.Request(x=x, y=y)))
-    wait_for(lambda: abs(corners.messages[-1].x - x) + abs(corners.messages[-1].y - y) < 0.1)
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__("greeter")
+        self.get_logger().info("Starting.")
+        self.create_timer(10.0, lambda: self.get_logger().info("Nice to meet you, Ada"))
+
+greeter = run(Greeter)
 """
 
-TWO = """
+GREETERS = {
+    "after_others_and_later": """
 stop()
-turtlesim = run(TurtleSim)
-second = run(TurtleSim, namespace="/robot2")
-new_topics = {"/robot2/turtle1/cmd_vel", "/robot2/turtle1/pose", "/robot2/turtle1/color_sensor"}
-with record("/robot2/turtle1/pose") as seen:
-    panel = drive(namespace="/robot2")
-    panel.press("up")
-    wait_for(lambda: seen.messages and seen.messages[-1].x > 7.0)
-panel.close()
-"""
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__("greeter")
+        self.get_logger().info("Starting.")
+        self.timer = self.create_timer(1.8, self.greet)
+
+    def greet(self):
+        self.timer.cancel()
+        self.get_logger().debug("About to greet.")
+        self.get_logger().info("Nice to meet you, Ada Lovelace!")
+        self.get_logger().warning("That was all.")
+
+greeter = run(Greeter)
+""",
+    "child_logger": """
+from rclpy.lifecycle import LifecycleNode
+stop()
+
+class Greeter(LifecycleNode):
+    def __init__(self, **options):
+        LifecycleNode.__init__(self, "greeter", **options)
+        logger = self.get_logger().get_child("manners")
+        logger.info("Nice to meet you, 李雷", once=True)
+
+greeter = run(Greeter())
+""",
+    "repeats_it": """
+from rclpy.executors import MultiThreadedExecutor
+stop()
+
+class Greeter(Node):
+    def __init__(self, name):
+        super().__init__("greeter")
+        self.declare_parameter("who", name)
+        self.get_logger().warning("Nice to meet you, nobody yet")
+        self.create_timer(0.05, self.greet)
+        self.create_timer(0.01, lambda: self.get_logger().info("busy"))
+
+    def greet(self):
+        self.get_logger().info(f"Nice to meet you, {self.get_parameter('who').value}")
+
+greeter = run(Greeter, "R2-D2", executor=MultiThreadedExecutor())
+""",
+    "first_of_many": """
+stop()
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__("greeter")
+        self.get_logger().info("Nice to meet you, Grace")
+        for number in range(300):
+            self.get_logger().info(f"line {number}")
+
+greeter = run(Greeter)
+""",
+}
 
 ANSWERS = [
     Answers(
@@ -107,7 +169,11 @@ ANSWERS = [
             Wrong("zero", changed(REPORT, ('int(os.environ["ROS_DOMAIN_ID"])', "0")), 0, "You gave 0."),
             Wrong("subnet", changed(REPORT, ('"LOCALHOST"', '"SUBNET"')), 0, "You gave 'SUBNET'"),
             Wrong("half", changed(REPORT, ('"LOCALHOST"', "None")), 0, "one word in capitals"),
+            Wrong("small", changed(REPORT, ('"LOCALHOST"', '"localhost"')), 0, "one word in capitals"),
+            Wrong("elsewhere", ELSEWHERE, 0, "What a cell writes there later moves no node"),
+            Wrong("no_domain", changed(REPORT, ('int(os.environ["ROS_DOMAIN_ID"])', "None")), 0, "You gave None."),
         ],
+        REPORTS,
     ),
     Answers(
         "setup-2",
@@ -121,58 +187,17 @@ ANSWERS = [
             Wrong("not_run", changed(GREETER, ("greeter = run(Greeter)\n", "")), 0, "Start it with `run(Greeter"),
             Wrong("text", changed(GREETER, ("Nice to meet you, Ada", "Hello, Ada")), 1, "It logged 'Hello, Ada'"),
             Wrong("right_before", GREETER + SILENT, 1, "It logged nothing"),
+            Wrong("no_f", changed(GREETER, ("you, Ada", "you, {name}")), 1, "not a placeholder"),
+            Wrong(
+                "unset_name", changed(GREETER, ('"Nice to meet you, Ada"', 'f"Nice to meet you, {None}"')), 1, "None'"
+            ),
+            Wrong("nobody", changed(GREETER, ("you, Ada", "you, ")), 1, "and then a name"),
+            Wrong("another_says_it", OTHER_SAYS_IT, 1, "It logged nothing"),
+            Wrong("stopped", GREETER + "\nwait_for(lambda: logs('greeter'))\nstop(greeter)\n", 0, "No node runs"),
+            Wrong("much_later", MUCH_LATER, 1, "It logged 'Starting.'"),
         ],
+        GREETERS,
     ),
-    Answers(
-        "setup-3",
-        3,
-        CORNERS,
-        [
-            Wrong("two_corners", changed(CORNERS, (", (1.0, 10.0), (1.0, 1.0)]", "]")), 1, "2 m is near"),
-            Wrong("three_corners", changed(CORNERS, (", (1.0, 1.0)]", "]")), 2, "m of the left one"),
-            Wrong("teleport", TELEPORT, 2, "do not teleport"),
-            Wrong("not_driven", "stop()\nturtlesim = run(TurtleSim)\n", 0, "It saw no movement"),
-        ],
-    ),
-    Answers(
-        "setup-4",
-        4,
-        TWO,
-        [
-            Wrong(
-                "relative_names",
-                changed(
-                    TWO,
-                    (
-                        '"/robot2/turtle1/cmd_vel", "/robot2/turtle1/pose", "/robot2/turtle1/color_sensor"',
-                        '"turtle1/cmd_vel", "turtle1/pose", "turtle1/color_sensor"',
-                    ),
-                ),
-                2,
-                "with full names",
-            ),
-            Wrong(
-                "first_driven",
-                changed(
-                    TWO,
-                    ('drive(namespace="/robot2")', "drive()"),
-                    ('record("/robot2/turtle1/pose")', 'record("/turtle1/pose")'),
-                ),
-                3,
-                "The second drove 0.0 m",
-            ),
-            Wrong(
-                "no_second",
-                'stop()\nturtlesim = run(TurtleSim)\nnew_topics = {"/robot2/turtle1/pose"}\n',
-                0,
-                "Start it with `run(TurtleSim",
-            ),
-            Wrong(
-                "not_driven",
-                changed(TWO, ('    panel.press("up")\n', ""), ("> 7.0", "> 5.0")),
-                3,
-                "The second drove 0.0 m",
-            ),
-        ],
-    ),
+    corners.ANSWERS,
+    robots.ANSWERS,
 ]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong
+from tests.exercises import answers_topics_eight as eight
+from tests.exercises import answers_topics_styles as styles
+from tests.exercises.chapter import Answers, Wrong, changed
 
 CELLS = ()  # of the chapter that are run: what they import is below
 PREPARE = """
@@ -64,36 +66,86 @@ class Relay(Node):
             self.publisher.publish(pose)
 """
 
-FIGURE_EIGHT = """
-class FigureEight(Node):
-    def __init__(self):
-        super().__init__("figure_eight")
-        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 10)
-        self.turned, self.last, self.sign = 0.0, None, 1
+BURSTS = """
+from std_msgs.msg import Int32
 
-    def on_pose(self, pose):
-        twist = Twist()
-        if self.last is not None:
-            self.turned += math.remainder(pose.theta - self.last, math.tau)
-        self.last = pose.theta
-        if self.sign > 0 and self.turned >= math.tau - 0.03:
-            self.sign = -1
-        elif self.sign < 0 and self.turned <= 0.03:
-            self.sign = 0
-        if self.sign:
-            twist.linear.x, twist.angular.z = 3.0, self.sign * 2.0
-        self.publisher.publish(twist)
+class Countdown(Node):
+    def __init__(self):
+        super().__init__("countdown")
+        self.publisher = self.create_publisher(Int32, "countdown", 20)
+        self.timer = self.create_timer(1.0, self.tick)
+        self.left = 10
+
+    def tick(self):
+        if self.publisher.get_subscription_count():
+            for _ in range(5):
+                if self.left >= 0:
+                    self.publisher.publish(Int32(data=self.left))
+                    self.left -= 1
 """
 
+FOR_EACH_LISTENER = """
+from rclpy.event_handler import PublisherEventCallbacks
+from std_msgs.msg import Int32
 
-def changed(source: str, *changes: tuple[str, str]) -> str:
-    """The source with parts of it replaced; each part must be there."""
-    for old, new in changes:
-        assert old in source, old
-        source = source.replace(old, new)
-    return source
+class Countdown(Node):
+    def __init__(self):
+        super().__init__("countdown")
+        self.left, self.timer = -1, None
+        self.publisher = self.create_publisher(
+            Int32, "countdown", 10, event_callbacks=PublisherEventCallbacks(matched=self.on_matched))
 
+    def on_matched(self, status):
+        if status.current_count_change > 0 and self.left < 0:
+            self.left = 10
+            self.timer = self.create_timer(0.2, self.tick)
+
+    def tick(self):
+        self.publisher.publish(Int32(data=self.left))
+        self.left -= 1
+        if self.left < 0:
+            self.timer.cancel()
+"""
+
+EVERY_160_MS = """
+class Relay(Node):
+    def __init__(self):
+        super().__init__("relay")
+        self.publisher = self.create_publisher(Pose, "turtle1/pose_slow", 10)
+        self.last = None
+        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 10)
+        self.create_timer(0.16, self.tick)
+
+    def on_pose(self, pose):
+        self.last = pose
+
+    def tick(self):
+        if self.last is not None:
+            self.publisher.publish(self.last)
+            self.last = None
+"""
+
+NOT_AT_ONCE = """
+class Relay(Node):
+    def __init__(self):
+        super().__init__("relay")
+        self.publisher = self.create_publisher(Pose, "turtle1/pose_slow", 10)
+        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 10)
+        self.create_timer(0.25, self.tick)
+        self.count, self.kept = 0, []
+
+    def on_pose(self, pose):
+        self.count += 1
+        if self.count % 10 == 0:
+            self.kept.append(pose)
+
+    def tick(self):
+        while self.kept:
+            self.publisher.publish(self.kept.pop(0))
+"""
+
+LISTENS = "self.publisher.get_subscription_count() == 0"  # of COUNTDOWN: none does
+CALLBACK = "self.count += 1\n"  # of SCAN_COUNTER
 
 ANSWERS = [
     Answers(
@@ -133,7 +185,52 @@ ANSWERS = [
                 0,
                 "The 'data' field must be of type 'int'",
             ),
+            *(
+                # That many ticks, 0.2 s each, in place of a listener.
+                Wrong(
+                    f"waits_{ticks}_ticks",
+                    changed(
+                        COUNTDOWN,
+                        (f"if {LISTENS}:", f"self.ticks += 1\n        if self.ticks < {ticks}:"),
+                        ("self.left = 10", "self.left, self.ticks = 10, 0"),
+                    ),
+                    1,
+                    hint,
+                )
+                for ticks, hint in (
+                    (4, "is lost"),
+                    (9, "is lost"),
+                    (15, "wait for the match"),
+                    (18, "wait for the match"),
+                )
+            ),
+            Wrong(
+                "of_the_class",
+                changed(
+                    COUNTDOWN,
+                    ("    def __init__", "    left = 10\n\n    def __init__"),
+                    ("self.left = 10", "pass"),
+                    ("self.left", "Countdown.left"),
+                ),
+                1,
+                "each new node",
+            ),
+            Wrong(
+                "ten_to_nobody",
+                changed(
+                    COUNTDOWN, (f"if {LISTENS}:", f"if {LISTENS}:\n            self.publisher.publish(Int32(data=10))")
+                ),
+                1,
+                "before somebody listens",
+            ),
+            Wrong("five_at_once", BURSTS, 1, "unevenly"),
+            Wrong("for_each_listener", FOR_EACH_LISTENER, 1, "counts again for who comes later"),
+            Wrong(
+                "back_to_10", changed(FOR_EACH_LISTENER, (" and self.left < 0", "")), 1, "counts again for who comes"
+            ),
+            Wrong("without_0", changed(COUNTDOWN, ("left < 0", "left < 1")), 1, "each once"),
         ],
+        styles.COUNTDOWN,
     ),
     Answers(
         "topics-2",
@@ -162,9 +259,47 @@ ANSWERS = [
                 "It asks for TRANSIENT_LOCAL",
             ),
             Wrong("topic", changed(SCAN_COUNTER, ('"scan"', '"laser_scan"')), 0, "Your node subscribes to /laser_scan"),
-            Wrong("counts_ranges", changed(SCAN_COUNTER, ("+= 1", "+= len(scan.ranges)")), 1, "is 60 after 20 scans"),
+            Wrong("counts_ranges", changed(SCAN_COUNTER, ("+= 1", "+= len(scan.ranges)")), 1, "whatever is in it"),
             Wrong("no_count", changed(SCAN_COUNTER, ("self.count", "self.number")), 1, "no readable `self.count`"),
+            Wrong("constant", changed(SCAN_COUNTER, ("count = 0", "count = 20"), ("+= 1", "+= 0")), 1, "is 20 after"),
+            Wrong("begins_with_1", changed(SCAN_COUNTER, ("count = 0", "count = 1")), 1, "begin with 0"),
+            Wrong("begins_with_the_second", changed(SCAN_COUNTER, ("count = 0", "count = -1")), 1, "begin with 0"),
+            Wrong(
+                "class_counts",
+                changed(SCAN_COUNTER, ("self.count = 0", "pass"), ("self.count +", "type(self).count +"))
+                + "\n    count = 3\n",
+                1,
+                "begin with 0",
+            ),
+            Wrong(
+                "not_empty_ones",
+                changed(SCAN_COUNTER, ("self.count += 1", "self.count += bool(scan.ranges)")),
+                1,
+                "add 1",
+            ),
+            Wrong(
+                "only_what_is_near",
+                changed(SCAN_COUNTER, ("self.count += 1", "self.count += any(r < 100 for r in scan.ranges)")),
+                1,
+                "for each message",
+            ),
+            Wrong("every_other", changed(SCAN_COUNTER, ("+= 1", "+= 0.5")), 1, "for each message"),
+            Wrong(
+                "anew_after_a_pause",
+                changed(
+                    SCAN_COUNTER,
+                    (
+                        "        self.count += 1",
+                        "        now = self.get_clock().now().nanoseconds\n"
+                        "        self.count = self.count + 1 if now - getattr(self, 'last', now) < 2e8 else 1\n"
+                        "        self.last = now",
+                    ),
+                ),
+                1,
+                "for each message",
+            ),
         ],
+        styles.SCAN_COUNTER,
     ),
     Answers(
         "topics-3",
@@ -174,12 +309,57 @@ ANSWERS = [
             Wrong(
                 "all", changed(RELAY, ("if self.count % 10 == 0:", "if True:")), 1, "count the calls of the callback"
             ),
-            Wrong("every_fifth", changed(RELAY, ("% 10", "% 5")), 1, "32 came, most of them 5 after"),
+            Wrong("every_fifth", changed(RELAY, ("% 10", "% 5")), 1, "most of them 5 after"),
+            Wrong("every_eleventh", changed(RELAY, ("% 10", "% 11")), 2, "most of them 11 after"),
             Wrong(
                 "empty",
                 changed(RELAY, ("publish(pose)", "publish(Pose())")),
                 1,
                 "Publish the message that the callback",
+            ),
+            Wrong(
+                "without_velocities",
+                changed(RELAY, ("publish(pose)", "publish(Pose(x=pose.x, y=pose.y, theta=pose.theta))")),
+                2,
+                "of a pose came out otherwise",
+            ),
+            Wrong(
+                "rounded",
+                changed(
+                    RELAY,
+                    (
+                        "publish(pose)",
+                        "publish(Pose(x=round(pose.x, 2), y=pose.y, theta=pose.theta, "
+                        "linear_velocity=pose.linear_velocity, angular_velocity=pose.angular_velocity))",
+                    ),
+                ),
+                2,
+                "x of a pose came out otherwise",
+            ),
+            Wrong("every_160_ms", EVERY_160_MS, 1, "not the time"),
+            Wrong(
+                "no_sooner_than_160_ms",
+                changed(
+                    RELAY,
+                    ("self.count = 0", "self.last = 0"),
+                    ("self.count += 1", "now = self.get_clock().now().nanoseconds"),
+                    ("if self.count % 10 == 0:", "if now - self.last > 152e6:\n            self.last = now"),
+                ),
+                1,
+                "not the time",
+            ),
+            Wrong("not_at_once", NOT_AT_ONCE, 2, "publish in the callback"),
+            Wrong(
+                "only_while_it_moves",
+                changed(RELAY, ("self.count += 1", "self.count += pose.linear_velocity != 0.0")),
+                1,
+                "count the calls of the callback",
+            ),
+            Wrong(
+                "twice",
+                changed(RELAY, ("publish(pose)", "publish(pose)\n            self.publisher.publish(pose)")),
+                1,
+                "0 after",
             ),
             Wrong(
                 "type",
@@ -193,38 +373,7 @@ ANSWERS = [
             ),
             Wrong("wrong_topic", changed(RELAY, ("turtle1/pose_slow", "pose_slow")), 0, "Did you mean `/pose_slow`?"),
         ],
+        styles.RELAY,
     ),
-    Answers(
-        "topics-4",
-        5,
-        FIGURE_EIGHT,
-        [
-            Wrong(
-                "both_left",
-                changed(
-                    FIGURE_EIGHT,
-                    ("self.sign * 2.0", "2.0"),
-                    ("self.turned <= 0.03", "self.turned >= 2 * math.tau - 0.03"),
-                ),
-                2,
-                "the opposite sign of angular.z",
-            ),
-            Wrong(
-                "sizes", changed(FIGURE_EIGHT, ("= 3.0,", "= 3.0 if self.sign > 0 else 2.0,")), 4, "Their lengths are"
-            ),
-            Wrong("for_ever", changed(FIGURE_EIGHT, ("self.sign = 0", "self.sign = 1")), 0, "It still moves after"),
-            Wrong(
-                "one_circle",
-                changed(FIGURE_EIGHT, ("self.sign = -1", "self.sign = 0")),
-                3,
-                "After the first it turned by 0°",
-            ),
-            Wrong(
-                "not_closed",
-                changed(FIGURE_EIGHT, ("self.turned <= 0.03", "self.turned <= 0.6")),
-                3,
-                "m from where it began",
-            ),
-        ],
-    ),
+    eight.ANSWERS,
 ]

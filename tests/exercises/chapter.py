@@ -51,6 +51,14 @@ class Answers:
     right: dict[str, str] = field(default_factory=dict)
 
 
+def changed(source: str, *changes: tuple[str, str]) -> str:
+    """The source with parts of it replaced; each part must be there."""
+    for old, new in changes:
+        assert old in source, old
+        source = source.replace(old, new)
+    return source
+
+
 class Chapter:
     """A chapter's notebook, run up to its exercises."""
 

@@ -7,7 +7,6 @@ import math
 import os
 import resource
 import threading
-from collections import namedtuple
 from dataclasses import asdict
 from multiprocessing import Pipe
 from pathlib import Path
@@ -23,7 +22,6 @@ from course_kit.examining.examination import beside_the_notebook
 from course_kit.examining.exercise import LEVELS
 from course_kit.examining.verdict import NOT_BEGUN, Finding, Verdict, in_code
 
-Pose = namedtuple("Pose", "x y theta")
 HALF = Verdict(
     "topics-1",
     "Count down",
@@ -117,34 +115,6 @@ def test_what_is_too_long_is_not_sent_and_what_may_be_sent_is_received():
         thread.start()
         assert other.receive(60) == longest
         thread.join()
-
-
-def circle(turns: float, radius: float, x: float = 0.0, y: float = 0.0, heading: float = 0.0) -> list[Pose]:
-    """Poses along a circle; negative turns go to the right."""
-    side = math.copysign(1.0, turns)
-    steps = np.linspace(0.0, turns * math.tau, 200)
-    return [
-        Pose(
-            x + side * radius * (math.sin(heading + a) - math.sin(heading)),
-            y - side * radius * (math.cos(heading + a) - math.cos(heading)),
-            math.remainder(heading + a, math.tau),
-        )
-        for a in steps
-    ]
-
-
-def test_a_figure_of_eight_has_two_loops_of_opposite_sense():
-    first, second = paths.two_loops([*circle(1, 1.0), *circle(-1, 1.0)])
-    assert first.turned == pytest.approx(math.tau, abs=1e-6)
-    assert second.turned == pytest.approx(-math.tau, abs=1e-6)
-    assert first.length == pytest.approx(second.length, rel=1e-3)
-    assert paths.gap([*circle(1, 1.0), *circle(-1, 1.0)]) == pytest.approx(0.0, abs=1e-6)
-
-
-def test_a_circle_driven_twice_is_one_loop_and_nothing():
-    first, second = paths.two_loops([*circle(1, 1.0), *circle(1, 1.0)])
-    assert first.turned == pytest.approx(2 * math.tau, abs=1e-6)
-    assert second.turned == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_star_is_closed_and_its_corners_are_72_degrees_apart():

@@ -1,0 +1,211 @@
+"""Chapter 5's star: what the exercise asks, and how it is checked."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from dataclasses import dataclass, field
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+
+from course_kit.examining import paths
+from course_kit.examining.exercise import exercise
+from course_kit.examining.vocabulary import a_turtle, answer, chance, expect, nobody_else, place_turtle, require, wait
+from course_kit.examining.vocabulary_actions import Client, Goal, expect_action
+from course_kit.examining.vocabulary_topics import hear_the_turtle
+from course_kit.turtlesim.field import EXTENT, MIDDLE
+from course_kit.turtlesim.node import TurtleSim
+
+SMALL, BIG = (1.1, 1.3), (1.6, 1.8)  # metres of a line, from to: no constant is right for both
+ROOM = 1.7  # of the length of a line: whoever drives a pentagon stays away from the walls, too
+OFF = 0.25  # metres by which a point of the star may be missed
+AWAY = 0.3  # metres from where it began at which the turtle is back
+LONGER = 0.15  # the part by which the way may be longer or shorter than five lines
+COASTED = 1.5  # metres that the turtle may go on before it begins a star in the midst of another
+CARRIED = 0.3  # metres without a velocity: those of teleports
+TOLD = 1.5  # feedbacks a second, where the text says two
+STAR_TIMEOUT, HOME_TIMEOUT, ABORT_TIMEOUT = 42.0, 21.0, 2.0  # seconds, where the text says 40, 20 and 1
+STOP_TIMEOUT = 1.3  # seconds: a turtle obeys its last command for one
+
+
+@dataclass
+class Star:
+    """A goal, and how the turtle moved until it ended."""
+
+    side: float
+    goal: Goal
+    begun: int  # the number of the pose with which it began
+    arrivals: list[tuple[int, Any]] = field(default_factory=list)  # when each pose came, and the pose
+
+    @property
+    def poses(self) -> list[Any]:
+        """Where the turtle was."""
+        return [pose for _, pose in self.arrivals]
+
+    @property
+    def seconds(self) -> float:
+        """How long the goal took."""
+        return (self.goal.ended or math.inf) - self.goal.sent
+
+    @property
+    def distance(self) -> float:
+        """The metres that the result says."""
+        return math.nan if self.goal.result is None else float(self.goal.result.distance)
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether it succeeded, with the metres driven as the result: by the drawing, or as they were measured."""
+        return self.goal.word == "succeeded" and abs(self.distance - 5 * self.side) < LONGER * 5 * self.side
+
+    @property
+    def missed_by(self) -> float:
+        """How far the turtle stayed from a point of the star that ends where it ended, at most, in metres."""
+        return paths.star_missed_by(self.poses, (self.poses[-1].x, self.poses[-1].y), self.side)
+
+    @property
+    def wrong_feedback(self) -> float:
+        """By how many metres the feedback was wrong at the median; of the way to the end that was driven."""
+        times, poses = zip(*self.arrivals, strict=True)
+        behind = [*accumulate((math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses)), initial=0.0)]
+        told = self.goal.told
+        errors = [abs(behind[-1] - np.interp(when, times, behind) - said.distance_left) for when, said in told]
+        return float(statistics.median(errors)) if errors else math.inf
+
+
+class Trip:
+    """Where the turtle of the checker was, and the stars that it was sent along."""
+
+    def __init__(self, turtlesim: TurtleSim) -> None:
+        self._turtlesim, self._driven = turtlesim, hear_the_turtle()
+        self._places = [(MIDDLE, MIDDLE)]
+
+    def put_elsewhere(self, lines: float) -> None:
+        """Put the turtle, when it stands still, far from where it was, with room for lines of so many metres."""
+        wait(lambda: not self._driven.last.linear_velocity, STOP_TIMEOUT, "the turtle to stand still")
+        low, high = ROOM * lines, EXTENT - ROOM * lines
+        drawn = [(chance().uniform(low, high), chance().uniform(low, high)) for _ in range(10)]
+        place = max(drawn, key=lambda one: min(math.dist(one, other) for other in self._places))
+        self._places.append(place)
+        place_turtle(self._turtlesim, *place, chance().uniform(-math.pi, math.pi))
+        wait(lambda: self._is_at(place), 1.0, "the turtle's pose")
+
+    def _is_at(self, place: paths.Point) -> bool:
+        return math.dist((self._driven.last.x, self._driven.last.y), place) < 0.01
+
+    def send(self, client: Client, side: float) -> Star:
+        """Send a goal."""
+        begun = len(self._driven) - 1
+        return Star(side, client.send(side_length=side), begun)
+
+    def drive(self, star: Star, lines: float, timeout: float) -> None:
+        """Wait until so many lines are driven, if the goal is accepted."""
+        length = lines * star.side if star.goal.accepted else 0.0
+        wait(lambda: paths.length(self._driven.messages[star.begun :]) >= length, timeout, "a line", poll=0.1)
+
+    def end(self, star: Star) -> None:
+        """Keep how the turtle moved until the goal ended, if it has."""
+        until = star.goal.settled or math.inf
+        star.arrivals = [one for one in self._driven.arrivals[star.begun :] if one[0] <= until]
+
+
+@exercise(
+    "actions-5",
+    "A star, and back home",
+    points=5,
+    level="project",
+    timeout=145,
+    node_class="StarServer",
+    types=("my_interfaces",),
+)
+def star_server() -> None:
+    """It drives stars, goes back to where one began when it is cancelled, and lets a second goal win."""
+    from my_interfaces.action import Polygon  # the checker's own
+
+    trip = Trip(a_turtle())
+    nobody_else("rt/turtle1/cmd_vel")
+    sides = [chance().uniform(*sizes) for sizes in chance().sample([SMALL, BIG], 2)]
+    trip.put_elsewhere(sides[0])
+    answer(threads=None)
+    client = expect_action("/drive_star", Polygon)
+    star = trip.send(client, sides[0])
+    require(
+        "it accepts a goal, and the goal ends",
+        star.goal.wait(STAR_TIMEOUT),
+        f"A goal with lines of {star.side:.2f} m is {star.goal.word} after {STAR_TIMEOUT:g} s.",
+    )
+    trip.end(star)
+    trip.put_elsewhere(SMALL[1])
+    unwanted = trip.send(client, chance().uniform(*SMALL))
+    trip.drive(unwanted, chance().uniform(0.5, 2.2), timeout=25.0)
+    unwanted.goal.cancel(HOME_TIMEOUT)
+    trip.end(unwanted)
+    trip.put_elsewhere(sum(sides))
+    pre_empted = trip.send(client, sides[0])
+    trip.drive(pre_empted, chance().uniform(0.3, 1.8), timeout=20.0)
+    second = trip.send(client, sides[1])
+    pre_empted.goal.wait(ABORT_TIMEOUT)
+    if pre_empted.goal.word == "aborted":  # else two drive the turtle at the same time
+        second.goal.wait(STAR_TIMEOUT)
+    trip.end(second)
+    finished = [star, second] if second.goal.word == "succeeded" else [star]
+    _expect_stars(finished)
+    _expect_home(unwanted)
+    expect(
+        "a second goal takes the place of the first",
+        pre_empted.goal.word == "aborted" and second.goal.word == "succeeded",
+        f"With a second goal on its way the first is {pre_empted.goal.word}, and the second {second.goal.word}: abort "
+        "the first, let its loop end, and drive the second.",
+    )
+
+
+def _expect_stars(stars: list[Star]) -> None:
+    """What stars that were driven to their end must be: the second began while the turtle drove another."""
+    bad = next((star for star in stars if not star.is_finished), stars[0])
+    expect(
+        "the goal succeeds, and the result is the metres driven",
+        bad.is_finished,
+        f"With lines of {bad.side:.2f} m it is {bad.goal.word}, with a distance of {bad.distance:.1f} m: drive all "
+        f"five lines, then `goal_handle.succeed()`, and return a result in which `distance` is {5 * bad.side:.1f}.",
+    )
+    ways = [paths.length(star.poses) for star in stars]
+    missed = [star.missed_by for star in stars]
+    gaps = [paths.gap(stars[0].poses), 0.0]
+    jumps = [paths.carried(star.poses) for star in stars]
+    fits = [
+        max(missed[n], gaps[n]) < OFF
+        and abs(ways[n] - 5 * star.side) < LONGER * 5 * star.side + n * COASTED
+        and jumps[n] < CARRIED
+        for n, star in enumerate(stars)
+    ]
+    n = fits.index(False) if False in fits else 0
+    expect(
+        "the path is a star with five points",
+        all(fits),
+        f"With lines of {stars[n].side:.2f} m it missed a point by {missed[n]:.2f} m, ended {gaps[n]:.2f} m from where "
+        f"it began, drove {ways[n]:.1f} m in place of {5 * stars[n].side:.1f}, {jumps[n]:.1f} m of them by teleports: "
+        "at each point of a star the turtle turns by 144°, twice the angle of a pentagon.",
+    )
+    rates = [len(star.goal.feedback) / star.seconds for star in stars]
+    errors = [star.wrong_feedback for star in stars]
+    told = [rate > TOLD and error < star.side / 2 + 0.3 for star, rate, error in zip(stars, rates, errors, strict=True)]
+    n = told.index(False) if False in told else 0
+    left = [message.distance_left for message in stars[n].goal.feedback] or [math.nan]
+    expect(
+        "the feedback is the metres left",
+        all(told),
+        f"It came {rates[n]:.1f} times a second, began with {left[0]:.1f} and ended with {left[-1]:.1f}; on average it "
+        f"was {errors[n]:.1f} m off. It is what is left of this line and of the lines after it, at the beginning "
+        f"{5 * stars[n].side:.1f}.",
+    )
+
+
+def _expect_home(star: Star) -> None:
+    away = paths.gap(star.poses)
+    expect(
+        "cancelled, the turtle is back where the star began before the goal is canceled",
+        star.goal.word == "canceled" and away < AWAY and paths.carried(star.poses) < CARRIED,
+        f"The goal is {star.goal.word}, and the turtle {away:.1f} m from where this star began: a cancel_callback that "
+        "accepts, and `goal_handle.canceled()` only after the way back, which it drives.",
+    )

@@ -1,0 +1,202 @@
+"""Chapter 6's exercise on logging: what it asks, and how it is checked."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from rcl_interfaces.msg import Log, LoggerLevel
+from rcl_interfaces.srv import SetLoggerLevels
+from turtlesim.msg import Pose
+from turtlesim.srv import TeleportAbsolute
+
+from course_kit.examining.examination import current
+from course_kit.examining.exercise import exercise
+from course_kit.examining.node_log import Line
+from course_kit.examining.vocabulary import chance, expect, require, wait
+from course_kit.examining.vocabulary_services import Client
+from course_kit.examining.vocabulary_student import expect_running_node, lines_of
+
+DEBUG, INFO = 10, 20
+POSES, SET_LEVELS, TELEPORT = "/turtle1/pose", "/quiet/set_logger_levels", "/turtle1/teleport_absolute"
+LISTENED, LISTENED_LONGEST = 3.0, 6.0  # seconds, for INFO
+SPACING = 0.85  # seconds between two lines, on average: a second, and a timer on a busy machine
+MANY = 60  # poses, about a second
+NEARLY_ALL = 0.9
+LATE = 0.1  # seconds that a busy node may be behind
+AHEAD = 60  # lines among which a pose's is looked for: what else is logged stands between
+QUIET = 0.4  # seconds without a line of DEBUG
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.(\d*))?(?:e[-+]?\d+)?")
+
+
+@exercise(
+    "debugging-2",
+    "Not so loud",
+    points=3,
+    level="medium",
+    timeout=30,
+    node_class="Quiet",
+    watches={"/rosout": Log},
+)
+def not_so_loud() -> None:
+    """It logs INFO once a second at most, and each pose when it is asked for DEBUG."""
+    expect_running_node("/quiet", "Quiet")
+    turtle = _Turtle()
+    try:
+        _expect_few(turtle)
+        is_set = _set_level(DEBUG)
+        try:
+            details = _lost_details(turtle, tries=3 if is_set else 1)
+        finally:
+            is_set = is_set and _set_level(INFO)
+        falls_silent = wait(_is_quiet, 3.0)
+    finally:
+        turtle.go_home()
+    hint = (
+        f"It has no service `{SET_LEVELS}`, or does not answer: make the node with "
+        '`super().__init__("quiet", enable_logger_service=True)`.'
+        if not is_set
+        else "Set back to INFO, it goes on to log DEBUG: leave its level to who sets it, and log details by `debug(…)`."
+    )
+    expect("its level can be set from outside", is_set and falls_silent, hint)
+    expect("at the level DEBUG it logs every pose", not details, f"{details}: `debug(…)` for each, without a throttle.")
+
+
+class _Turtle:
+    """The turtle that runs beside the student's node."""
+
+    def __init__(self) -> None:
+        self._heard = current().student.listen(POSES, Pose)
+        comes = wait(lambda: len(self._heard) >= 10, 5.0)
+        client = Client(TELEPORT, TeleportAbsolute, current().student) if comes else None
+        self._home = self._heard.last if comes else Pose()
+        can_jump = client is not None and client.ask(**_place(self._home)).response is not None
+        hint = "No pose came on `/turtle1/pose`" if not comes else f"Nobody serves `{TELEPORT}`"
+        require("a turtle runs beside it", can_jump, f"{hint}: `run(TurtleSim)`, and leave it running.")
+        assert client is not None
+        self._client, self._x = client, self._home.x
+
+    def jump(self) -> None:
+        """Be somewhere else, where x is neither what it was nor y."""
+        while abs((x := chance().uniform(1.5, 9.5)) - self._x) < 1.5:
+            pass
+        while abs((y := chance().uniform(1.5, 9.5)) - x) < 1.5:
+            pass
+        self._x = x
+        self._client.ask(x=x, y=y, theta=chance().uniform(-3.0, 3.0))
+
+    def go_home(self) -> None:
+        """Be where it was before the check."""
+        self._client.ask(**_place(self._home))
+
+    def xs(self, since: int, until: float = math.inf) -> list[float]:
+        """The x of each pose that came between two times (nanoseconds)."""
+        return [pose.x for when, pose in self._heard.arrivals if since <= when <= until]
+
+
+def _place(pose: Pose) -> dict[str, float]:
+    return {"x": pose.x, "y": pose.y, "theta": pose.theta}
+
+
+def _expect_few(turtle: _Turtle) -> None:
+    """It logs `x = …` as INFO, and neither that nor anything else more often than once a second."""
+    began = time.time_ns()
+    turtle.jump()
+    wait(lambda: time.time_ns() - began > LISTENED * 1e9 and _told(began), LISTENED_LONGEST)
+    told, seconds = _told(began), (time.time_ns() - began) * 1e-9
+    others = len(_lines_since(began, INFO)) - len(told)
+    wrong = [line for line in told if not any(_shows(line.message.msg[4:], x) for x in turtle.xs(*_about(line)))]
+    span = _logged_at(told[-1]) - _logged_at(told[0]) if told else 0.0
+    hint = f"In {seconds:.0f} s it logged {len(told)} lines `x = …` as INFO or above{_such_as(told)}"
+    if wrong:
+        hint += f", and no pose with the x of {wrong[-1].message.msg!r} had just come: log `pose.x` of the message."
+    elif any(line.message.level != INFO for line in told):
+        hint += ", not all of them as INFO: `self.get_logger().info(…)`."
+    elif others > seconds + 2:
+        hint = f"In {seconds:.0f} s it logged {others} other lines as INFO or above: what is for details is DEBUG."
+    else:
+        hint += ": `throttle_duration_sec=1.0` as an argument of `info(…)` leaves the others out."
+    expect(
+        "it logs `x = …` as INFO, once a second at most",
+        told
+        and not wrong
+        and all(line.message.level == INFO for line in told)
+        and span >= SPACING * (len(told) - 1)
+        and others <= seconds + 2,
+        hint,
+    )
+
+
+def _lost_details(turtle: _Turtle, tries: int) -> str:
+    """Nothing if it logs, as DEBUG, the x of the poses that come, once at least; else what is seen instead."""
+    for _ in range(tries):  # a busy machine may lose some
+        began = time.time_ns()
+        turtle.jump()
+        wait(lambda: len(turtle.xs(began)) >= MANY, 3.0)  # noqa: B023  (it ends before the loop goes on)
+        xs, until = turtle.xs(began), time.time() + LATE
+        if wait(lambda: _followed(xs, _details(began, until)) >= NEARLY_ALL * len(xs), 1.0):  # noqa: B023
+            return ""
+    seen = _details(began, until)
+    return (
+        f"While {len(xs)} poses came it logged {len(seen)} lines as DEBUG{_such_as(seen)}, and {_followed(xs, seen)} "
+        f"of them have the x of the poses"
+    )
+
+
+def _details(since: int, until: float) -> list[Line]:
+    """What was logged as DEBUG between two times: nanoseconds, seconds."""
+    return [line for line in _lines_since(since) if line.message.level == DEBUG and _logged_at(line) <= until]
+
+
+def _followed(xs: Sequence[float], lines: Sequence[Line]) -> int:
+    """For how many poses there is a line with its x, in their order."""
+    place = found = 0
+    for x in xs:
+        near = range(place, min(place + AHEAD, len(lines)))
+        line = next((number for number in near if _shows(lines[number].message.msg, x)), None)
+        if line is not None:
+            place, found = line + 1, found + 1
+    return found
+
+
+def _shows(text: str, x: float) -> bool:
+    """Whether a number in a text is x, to as many decimals as it has."""
+    found = [(float(match[0]), len(match[1] or "")) for match in NUMBER.finditer(text)]
+    return any(abs(number - x) <= 1.01 * 10.0**-decimals + 1e-4 for number, decimals in found)
+
+
+def _is_quiet() -> bool:
+    lines = _lines_since(time.time_ns() - int(QUIET * 1e9))
+    return not any(line.message.level == DEBUG for line in lines)
+
+
+def _told(since: int) -> list[Line]:
+    return [line for line in _lines_since(since, INFO) if line.message.msg.startswith("x = ")]
+
+
+def _lines_since(since: int, level: int = 0) -> list[Line]:
+    """What the node has logged since a time (nanoseconds), at a level or above it."""
+    return [line for line in lines_of("quiet") if line.received >= since and line.message.level >= level]
+
+
+def _logged_at(line: Line) -> float:
+    stamp: Any = line.message.stamp
+    return float(stamp.sec + stamp.nanosec * 1e-9)
+
+
+def _about(line: Line) -> tuple[int, float]:
+    """From when to when a pose came that a line may tell of: also the last one of a second, as a timer has it."""
+    return int((_logged_at(line) - 1.5) * 1e9), line.received + 0.5e9
+
+
+def _such_as(lines: Sequence[Line]) -> str:
+    return f", such as {lines[-1].message.msg!r}" if lines else ""
+
+
+def _set_level(level: int) -> bool:
+    client = Client(SET_LEVELS, SetLoggerLevels, current().student)
+    response = client.ask(levels=[LoggerLevel(name="quiet", level=level)]).response
+    return response is not None and all(result.successful for result in response.results)

@@ -1,0 +1,113 @@
+"""Chapter 6's exercise on a watchdog: what it asks, and how it is checked."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+
+from rclpy.publisher import Publisher
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+from std_msgs.msg import Bool
+
+from course_kit.examining.examination import current
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import answer, chance, expect, pause
+from course_kit.examining.vocabulary_topics import (
+    expect_compatible_subscription,
+    expect_subscription,
+    expect_topic,
+    listen,
+    publisher,
+    values,
+)
+
+SCANS = "/scan"
+FRESH = 0.5  # seconds
+LEEWAY = 0.1  # seconds that a scan and a message may take on their way, in all
+RATE = 5.0  # Hz
+RATE_WITHIN = 0.2  # parts of it, and one message more or less
+
+
+@exercise("debugging-3", "A watchdog", points=3, level="medium", timeout=30, node_class="Watchdog")
+def watchdog() -> None:
+    """It says five times a second whether a scan has come in the last half second."""
+    laser = publisher(SCANS, LaserScan, qos_profile_sensor_data)
+    answer(threads=None)
+    expect_subscription(SCANS, LaserScan)
+    expect_topic("/scan_alive", Bool)
+    alive = listen("/scan_alive", Bool)
+    pause(chance().uniform(0.8, 1.3))
+    said = values(alive, "data")
+    expect(
+        "without a scan it says false",
+        said and not any(said),
+        f"It said {said[-5:] or 'nothing'}. Nothing had come yet: begin with no time at all, or one long ago.",
+    )
+    expect_compatible_subscription(SCANS, laser)
+    turn = _watch_scans(alive, laser)
+    if turn.wrong or turn.off_rate:  # a busy machine may be late once
+        turn = _watch_scans(alive, laser)
+    expect(
+        "it says true while a scan has come in the last 0.5 s, else false",
+        not turn.wrong,
+        f"{'; '.join(turn.wrong[:1])}: keep the time of each scan, and compare it with the present time in the timer's "
+        f"callback, not in that of the scan.",
+    )
+    expect(
+        "`/scan_alive` has 5 messages a second, however many scans come",
+        not turn.off_rate,
+        f"{'; '.join(turn.off_rate[:1])}: one timer with a period of 0.2 s publishes, and nothing else. "
+        f"`%ros2 topic hz /scan_alive` measures it.",
+    )
+
+
+@dataclass
+class _Turn:
+    """What was wrong while scans came and did not come."""
+
+    wrong: list[str] = field(default_factory=list)
+    off_rate: list[str] = field(default_factory=list)
+
+
+def _watch_scans(alive: Heard, laser: Publisher) -> _Turn:
+    """Many scans, few, and one, each followed by a time without any."""
+    turn, sent = _Turn(), [0]
+    fast = chance().uniform(10.0, 20.0)
+    bursts = [(fast, round(fast * chance().uniform(0.8, 1.2))), (2.5, chance().randint(3, 4)), (2.5, 1)]
+    chance().shuffle(bursts)
+    for rate, count in bursts:
+        began = due = time.monotonic()
+        since = time.time_ns()
+        for _ in range(count):
+            sent.append(time.time_ns())
+            laser.publish(_a_scan())
+            due += 1 / rate
+            pause(max(0.0, due - time.monotonic()))
+        pause(chance().uniform(0.85, 1.0))
+        seconds, came = time.monotonic() - began, [arrival for arrival in alive.arrivals if arrival[0] >= since]
+        if abs(len(came) - RATE * seconds) > 1 + RATE_WITHIN * RATE * seconds:
+            scans = f"{count} scans came, {rate:.1f} a second" if count > 1 else "one scan came"
+            turn.off_rate.append(f"In {seconds:.1f} s in which {scans}, it published {len(came)} times")
+        turn.wrong += [text for when, message in came if (text := _why_wrong(message.data, when, sent))]
+    return turn
+
+
+def _why_wrong(said: bool, when: int, sent: list[int]) -> str:
+    """Nothing if what was said at a time is true of the scans that were sent until then; else how it is not."""
+    ages = [(when - one) * 1e-9 for one in sent if one <= when]
+    if not said and any(LEEWAY <= age <= FRESH - LEEWAY for age in ages):
+        return f"It said false {min(age for age in ages if age >= LEEWAY):.2f} s after a scan"
+    if said and min(ages) > FRESH + LEEWAY:
+        return f"It said true {min(ages):.2f} s after the last scan"
+    return ""
+
+
+def _a_scan() -> LaserScan:
+    """A scan of now, with few beams or none."""
+    scan = LaserScan(angle_min=-math.pi, angle_increment=math.pi / 2, range_max=16.0)
+    scan.header.frame_id, scan.header.stamp = "turtle1", current().stage.node.get_clock().now().to_msg()
+    scan.ranges = [chance().uniform(0.5, 10.0) for _ in range(chance().randint(0, 4))]
+    return scan

@@ -1,0 +1,149 @@
+"""Chapter 3's project, a figure of eight: what it asks of the turtle, and how it is checked."""
+
+from __future__ import annotations
+
+import math
+
+from geometry_msgs.msg import Twist
+from turtlesim.msg import Pose
+
+from course_kit.examining import circles, paths
+from course_kit.examining.exercise import exercise
+from course_kit.examining.station import Heard
+from course_kit.examining.vocabulary import a_turtle, answer, chance, expect, nobody_else, place_turtle, require, wait
+from course_kit.examining.vocabulary_topics import expect_topic, hear_the_turtle
+from course_kit.turtlesim.field import MIDDLE
+from course_kit.turtlesim.node import TurtleSim
+from course_kit.turtlesim.turtle import TICK
+
+OFF_MIDDLE = 0.35  # metres at most, in x and in y: there is room for two circles of 2.5 m, whatever the heading
+BEGIN_TIMEOUT = 10.0
+DRIVE_TIMEOUT = 90.0  # two circles of 2.5 m at 0.5 m/s take 63 s
+REST = 3.0  # seconds for which the turtle may stand between the circles
+LOOK = 0.1  # seconds from one look at it to the next
+LOOKS = round(1.1 * REST / LOOK)  # in a little more than a rest
+TURNED = 4 * math.tau  # radians, twice those of two circles, after which it goes on for ever
+WHOLE = 0.15  # of a turn that may be missing or too much
+ROUND = 0.1  # of the radius
+ALIKE = 0.85  # the smaller circle's length as a part of the larger one's, at least
+AROUND = 1.0  # metres around a circle, at least
+KILLED = "turtle1 was killed: drive it, and leave it where it arrives."
+
+
+@exercise("topics-4", "A figure of eight", points=5, level="project", timeout=115, node_class="FigureEight")
+def figure_of_eight() -> None:
+    """From near the middle the turtle drives two circles of the same size, one to each side, and is back."""
+    turtlesim = a_turtle()
+    driven = hear_the_turtle()
+    x, y = (MIDDLE + chance().uniform(-OFF_MIDDLE, OFF_MIDDLE) for _ in range(2))
+    place_turtle(turtlesim, x, y, chance().uniform(-math.pi, math.pi))
+    nobody_else("rt/turtle1/cmd_vel")
+    answer(threads=None)
+    expect_topic("/turtle1/cmd_vel", Twist)
+    poses = _drive_until_it_stands(turtlesim, driven)
+    require(
+        "it is driven, not teleported",
+        not circles.has_jump(poses),
+        "It came farther than its velocity brought it: drive it by `/turtle1/cmd_vel` alone, to its end.",
+    )
+    first, second = circles.two_circles(poses)
+    expect("the first circle is a whole one", _is_whole(first), _why_not_whole(first, "It turned by"))
+    expect(
+        "the second circle is a whole one, the other way round, beside the first",
+        _is_whole(second) and first.turned * second.turned < 0 and _touch(first, second),
+        _why_not_the_second(first, second),
+    )
+    longer, shorter = max(first.length, second.length), min(first.length, second.length)
+    expect(
+        "both have the same size, a metre around at least",
+        shorter > ALIKE * longer and shorter > AROUND,
+        f"Their lengths are {first.length:.1f} m and {second.length:.1f} m: "
+        f"the radius is linear.x / angular.z, and a wall cuts a circle short.",
+    )
+    missing, way = paths.gap(poses), paths.length(poses)
+    expect(
+        "the figure is closed within 0.3 m",
+        missing <= 0.3 and way > 2 * AROUND,
+        f"It ends {missing:.2f} m from where it began, after {way:.1f} m: send commands at each tick and count the "
+        f"ticks, or close the loop with the pose.",
+        points=2,
+    )
+
+
+def _drive_until_it_stands(turtlesim: TurtleSim, driven: Heard) -> list[Pose]:
+    """What was driven from the first motion until the turtle stood still for longer than a rest."""
+
+    def is_there() -> bool:
+        return "turtle1" in turtlesim.world.turtles
+
+    wait(lambda: _moves(driven.last) or not is_there(), BEGIN_TIMEOUT)
+    require(
+        "the turtle moves",
+        any(map(_moves, driven.messages)),
+        "It stands still after 10 s: does the node publish on `/turtle1/cmd_vel` again and again? "
+        "`%ros2 topic echo /turtle1/cmd_vel` shows it."
+        if is_there()
+        else KILLED,
+    )
+    # Reading all poses again and again would keep the simulator, a thread beside this one, from ticking in time.
+    seen: list[Pose] = []
+
+    def is_over() -> bool:
+        seen.append(driven.last)
+        stands = len(seen) >= LOOKS and not any(map(_moves, seen[-LOOKS:]))
+        return stands or not is_there() or (len(seen) % 20 == 0 and circles.turned_in_all(seen) > TURNED)
+
+    wait(is_over, DRIVE_TIMEOUT, poll=LOOK)
+    require("turtle1 is still there", is_there(), KILLED)
+    poses = driven.messages
+    require(
+        "it stops at the end",
+        not any(map(_moves, poses[-round(REST / TICK) :])),
+        f"It still moves after {len(poses) * TICK:.0f} s: stop, and publish no more, when both circles are done.",
+    )
+    begin = next(place for place, pose in enumerate(poses) if _moves(pose))
+    return poses[max(0, begin - 1) :]
+
+
+def _moves(pose: Pose) -> bool:
+    return bool(pose.linear_velocity or pose.angular_velocity)
+
+
+def _is_whole(circle: circles.Circle) -> bool:
+    return abs(abs(circle.turned) - math.tau) < WHOLE * math.tau and circle.error < ROUND
+
+
+def _touch(first: circles.Circle, second: circles.Circle) -> bool:
+    """Beside each other: their middles are as far apart as they are wide."""
+    wide = first.radius + second.radius
+    return abs(math.dist(first.middle, second.middle) - wide) < 0.25 * wide
+
+
+def _why_not_whole(circle: circles.Circle, so: str) -> str:
+    if circle.error >= ROUND:
+        return (
+            f"{so} {_degrees(circle.turned)}, and came {circle.error:.0%} of the radius off a circle: linear.x and "
+            f"angular.z stay as they are for a whole circle, and a wall cuts it short."
+        )
+    return (
+        f"{so} {_degrees(circle.turned)} before it turned the other way, or to its end: "
+        f"a circle takes 2π / angular.z seconds."
+    )
+
+
+def _why_not_the_second(first: circles.Circle, second: circles.Circle) -> str:
+    if second.error >= ROUND:
+        return _why_not_whole(second, "After the first it turned by")
+    if _is_whole(second) and first.turned * second.turned < 0:
+        return (
+            "It lies over the first: go on from where the first ends with the heading that you have there, and with "
+            "the opposite sign of angular.z."
+        )
+    return (
+        f"After the first it turned by {_degrees(second.turned)}: "
+        f"the second circle has the opposite sign of angular.z, and takes as long."
+    )
+
+
+def _degrees(radians: float) -> str:
+    return f"{math.degrees(radians):.0f}°"

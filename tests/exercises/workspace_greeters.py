@@ -1,0 +1,254 @@
+"""Answers to chapter 2's exercises about the package greeter: made, and with a node."""
+
+from __future__ import annotations
+
+from tests.exercises.answers_topics import changed
+from tests.exercises.chapter import Answers, Wrong
+
+PYTHON = '"--build-type", "ament_python", "--node-name", "greet"'
+
+GREETER = f"""
+fresh("greeter", {PYTHON})
+build("greeter")
+"""
+IN_PLACE = changed(GREETER, ('build("greeter")', 'build("greeter", "--symlink-install")'))
+MERGED = f"""
+fresh("greeter", {PYTHON})
+for part in ("build", "install"):
+    shutil.rmtree(ws.folder / part, ignore_errors=True)
+ws.build("--merge-install")
+ws.use()
+"""
+# A module that is not called as the package, below a folder of its own, and programs that setup.py computes.
+OTHER_MODULE = f"""
+fresh("greeter", {PYTHON})
+made, setup_py = ws.src / "greeter", ws.src / "greeter/setup.py"
+(made / "source").mkdir()
+shutil.move(made / "greeter", made / "source/polite")
+(made / "source/polite/words").mkdir()
+(made / "source/polite/words/__init__.py").write_text("NAME = __name__.split('.')[0].replace('polite', 'greeter')\\n")
+(made / "source/polite/greet.py").write_text(
+    "from polite.words import NAME\\n\\n\\ndef main():\\n    print(f'Hi from {{NAME}}.')\\n"
+)
+found = "find_packages('source'), package_dir={{'': 'source'}}"
+text = setup_py.read_text().replace("find_packages(exclude=['test'])", found)
+start, end = text.index("'console_scripts': ["), text.index("],", text.index("'console_scripts': ["))
+programs = "[f'{{name}} = polite.{{name}}:main' for name in ('gre' + 'et',)"
+setup_py.write_text(text[:start] + "'console_scripts': " + programs + text[end:])
+build("greeter")
+"""
+# No build: a package in install by hand, and a set-up script that leads to a false `ros2`.
+BY_HAND = f"""
+fresh("greeter", {PYTHON})
+install, false = ws.install / "greeter", ws.folder / "false"
+for folder in ("lib/greeter", "share/greeter", "share/ament_index/resource_index/packages"):
+    (install / folder).mkdir(parents=True)
+shutil.copy(ws.src / "greeter/package.xml", install / "share/greeter")
+(install / "share/ament_index/resource_index/packages/greeter").touch()
+false.mkdir(exist_ok=True)
+for path in (install / "lib/greeter/greet", false / "ros2"):
+    path.write_text("#!/bin/sh\\necho Hi from greeter.\\n")
+    path.chmod(0o755)
+with open(ws.install / "setup.bash", "a") as script:
+    script.write(f"export PATH={{false}}:$PATH\\n")
+"""
+SHELL_SCRIPT = f"""{GREETER}
+(ws.install / "greeter/lib/greeter/greet").write_text("#!/bin/sh\\necho Hi from greeter.\\n")
+"""
+EDITED_INSTALLED = f"""
+fresh("greeter", {PYTHON})
+source = ws.src / "greeter/greeter/greet.py"
+source.write_text(source.read_text().replace("Hi from greeter.", "Hello."))
+build("greeter")
+installed = next(ws.install.glob("greeter/lib/python3*/site-packages/greeter/greet.py"))
+installed.write_text(installed.read_text().replace("Hello.", "Hi from greeter."))
+"""
+
+LOUD_PY = """
+from my_first_pkg.spin import spin
+from rclpy.node import Node
+from std_msgs.msg import String
+
+
+class Loud(Node):
+    def __init__(self):
+        super().__init__("loud")
+        self.declare_parameter("mark", "!")
+        self.publisher = self.create_publisher(String, "loud", 10)
+        self.create_subscription(String, "chatter", self.on_words, 10)
+
+    def on_words(self, message):
+        mark = self.get_parameter("mark").value
+        self.publisher.publish(String(data=message.data.upper() + mark))
+
+
+def main():
+    spin(Loud)
+"""
+
+
+def loud(text: str = LOUD_PY, programs: str = '["loud"]', after: str = "", build: str = "") -> str:
+    """The cell that makes greeter with a file loud.py, builds it, and then does something else."""
+    return f"""
+fresh("greeter", {PYTHON}, programs={programs}, files={{"greeter/loud.py": {text!r}}})
+build("greeter"{build})
+{after}
+"""
+
+
+EDITED = """
+path = ws.src / "greeter/greeter/loud.py"
+path.write_text(path.read_text().replace("mark))", "mark + mark))"))
+"""
+READ_ONCE = changed(
+    LOUD_PY,
+    ('self.declare_parameter("mark", "!")', 'self.mark = self.declare_parameter("mark", "!").value'),
+    ('mark = self.get_parameter("mark").value', "mark = self.mark"),
+)
+PLAIN_SPIN = changed(
+    LOUD_PY,
+    ("from my_first_pkg.spin import spin", "import rclpy"),
+    ("    spin(Loud)", "    rclpy.init()\n    rclpy.spin(Loud())\n    rclpy.shutdown()"),
+)
+SAYS_BOTH = changed(LOUD_PY, ("        mark =", "        self.publisher.publish(message)\n        mark ="))
+MARK_IN_CAPITALS = changed(LOUD_PY, ("message.data.upper() + mark", "(message.data + mark).upper()"))
+NEVER_EMPTY = changed(LOUD_PY, ('get_parameter("mark").value', 'get_parameter("mark").value or "!"'))
+GOES_ON = changed(
+    PLAIN_SPIN,
+    ("    rclpy.init()", "    import signal\n\n    rclpy.init()\n    signal.signal(signal.SIGINT, signal.SIG_IGN)"),
+)
+# The mark is kept by a callback; a lifecycle node, with an executor of its own and other QoS.
+BY_CALLBACK = """
+import sys
+
+import rclpy
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.lifecycle import LifecycleNode
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_msgs.msg import String
+
+
+class Loud(LifecycleNode):
+    def __init__(self):
+        LifecycleNode.__init__(self, "loud")
+        self.add_on_set_parameters_callback(self.keep)
+        self.declare_parameter("mark", "!", ParameterDescriptor(description="what comes last"))
+        qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+        self.out = self.create_publisher(String, "loud", QoSProfile(depth=1))
+        self.log = self.create_publisher(String, "~/log", 10)
+        self.create_subscription(String, "chatter", self.on_words, qos)
+
+    def keep(self, parameters):
+        for parameter in parameters:
+            if parameter.name == "mark":
+                self.mark = parameter.value
+        return SetParametersResult(successful=True)
+
+    def on_words(self, message):
+        message.data = "".join([letter.upper() for letter in message.data]) + self.mark
+        self.out.publish(message)
+        self.log.publish(String(data="said"))
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    executor, node = MultiThreadedExecutor(2), Loud()
+    executor.add_node(node)
+    try:
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        sys.exit(0)
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+"""
+# No class, a loop of its own, an async callback.
+WITHOUT_CLASS = """
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from std_msgs.msg import String
+
+
+def main():
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    node = rclpy.create_node("loud", automatically_declare_parameters_from_overrides=True)
+    if not node.has_parameter("mark"):
+        node.declare_parameter("mark", "!")
+    out = node.create_publisher(String, "loud", 10)
+
+    async def shout(message):
+        out.publish(String(data="{}{}".format(message.data.upper(), node.get_parameter("mark").value)))
+
+    node.create_subscription(String, "chatter", shout, 10)
+    try:
+        while rclpy.ok():
+            rclpy.spin_once(node, timeout_sec=0.1)
+    except KeyboardInterrupt:
+        node.get_logger().info("Good bye.")
+    rclpy.shutdown()
+"""
+
+
+ANSWERS = [
+    Answers(
+        "workspace-1",
+        2,
+        GREETER,
+        [
+            Wrong("not_built", changed(GREETER, ('build("greeter")\n', "")), 0, "colcon build --packages-select"),
+            Wrong(
+                "built_in_src",
+                changed(
+                    GREETER,
+                    (
+                        'build("greeter")',
+                        'subprocess.run(["colcon", "build"], cwd=ws.src, capture_output=True)',
+                    ),
+                ),
+                0,
+                "you built in `src`",
+            ),
+            Wrong(
+                "program",
+                "for made in ('build', 'install', 'log'): shutil.rmtree(ws.src / made, ignore_errors=True)\n"
+                + changed(GREETER, ('"greet")', '"hello")')),
+                1,
+                "finds hello in greeter",
+            ),
+            Wrong(
+                "build_type",
+                changed(GREETER, ('"ament_python"', '"ament_cmake"')),
+                0,
+                "make it anew with `--build-type ament_python`",
+            ),
+            Wrong("by_hand", BY_HAND, 0, "was not built from `src`"),
+            Wrong("shell_script", SHELL_SCRIPT, 1, "no program that setuptools makes of an entry point"),
+            Wrong("edited_installed", EDITED_INSTALLED, 1, "what is installed was changed by hand"),
+        ],
+        {"in_place": IN_PLACE, "merged": MERGED, "other_module": OTHER_MODULE},
+    ),
+    Answers(
+        "workspace-2",
+        3,
+        loud(),
+        [
+            Wrong("no_entry_point", loud(programs="[]"), 0, "a line `loud = greeter.module:main`"),
+            Wrong("not_built_again", loud(after=EDITED), 0, "src/greeter/greeter/loud.py is newer than"),
+            Wrong("read_once", loud(READ_ONCE), 2, "Read the parameter each time"),
+            Wrong(
+                "not_declared", loud(changed(LOUD_PY, ('        self.declare_parameter("mark", "!")\n', ""))), 0, "mark"
+            ),
+            Wrong("not_upper", loud(changed(LOUD_PY, (".upper()", ".title()"))), 0, "Publish `message.data.upper()`"),
+            Wrong("plain_spin", loud(PLAIN_SPIN), 2, "Ctrl-C ended it with status"),
+            Wrong("says_both", loud(SAYS_BOTH), 0, "once for each message"),
+            Wrong("mark_in_capitals", loud(MARK_IN_CAPITALS), 1, "the mark as it is"),
+            Wrong("never_empty", loud(NEVER_EMPTY), 2, "An empty text is a mark too"),
+            Wrong("goes_on", loud(GOES_ON), 2, "Ctrl-C did not end it"),
+        ],
+        {
+            "by_callback": loud(BY_CALLBACK, build=', "--symlink-install"'),
+            "without_class": loud(WITHOUT_CLASS),
+        },
+    ),
+]
