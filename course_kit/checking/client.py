@@ -38,11 +38,11 @@ class CheckerProcess:
 
     def __init__(self, domain: int | None) -> None:
         """`domain`: the one in which the notebook's nodes are."""
-        self.domain = domain
         ours, theirs = Pipe()
         with theirs:
             # Isolated, with an environment of its own and in the root folder: nothing of a student's is loaded there.
             environment, paths = surroundings.of_checker(surroundings.at_start(), domain)
+            self.domain = environment[surroundings.DOMAIN]
             command = [sys.executable, "-I", "-m", "course_kit.checking", str(theirs.fileno()), *paths]
             self.process = Process(
                 command, "checker", environment, Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
@@ -128,7 +128,8 @@ def pid() -> int | None:
 def _running() -> CheckerProcess:
     global _checker
     domain = rclpy.get_default_context().get_domain_id() if rclpy.ok() else None
-    if _checker is not None and (not _checker.process.is_running or domain not in (None, _checker.domain)):
+    is_elsewhere = _checker is not None and domain is not None and str(domain) != _checker.domain
+    if _checker is not None and (is_elsewhere or not _checker.process.is_running):
         _replace()
     if _checker is None:
         _checker = CheckerProcess(domain)

@@ -34,7 +34,7 @@ def _absolute(name: Any) -> str:
     return f"/{name.strip().strip('/')}" if isinstance(name, str) else ""
 
 
-@exercise("debugging-6", "Three patients", points=5, level="harder", timeout=40, value=True)
+@exercise("debugging-6", "Three patients", points=5, level="harder", timeout=60, value=True)
 def three_patients(value: Any) -> None:
     """The causes of three faults, the last of which is repaired."""
     for seed, cause in zip(SEEDS, parts(value, len(SEEDS)), strict=True):

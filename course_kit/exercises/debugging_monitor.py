@@ -31,7 +31,7 @@ WANTED = {SCANS: 10.0, POSES: 62.5}  # Hz
 LEVEL_OF = {"full": "OK", "most": "WARN", "third": "WARN", "none": "STALE"}
 # Parts of the rates; more is full, too. Scans are few, so what a second has of them is a tenth more or less.
 PARTS = {
-    SCANS: {"full": (1.25, 1.4), "most": (0.6, 0.65), "third": (0.3, 0.4), "none": (0.0, 0.0)},
+    SCANS: {"full": (1.45, 1.6), "most": (0.6, 0.65), "third": (0.3, 0.4), "none": (0.0, 0.0)},
     POSES: {"full": (0.86, 0.88), "most": (0.7, 0.73), "third": (0.3, 0.4), "none": (0.0, 0.0)},
 }
 STEADY = 1.9  # seconds after a change in which a report may be of both rates; a change follows a report

@@ -160,7 +160,7 @@ def _expect_driven_all_the_way(steps: Sequence[Step], corners: Sequence[paths.Po
     )
     if in_one:
         hint = f"It drove {moved:.1f} m, and commands on `{FIRST_COMMANDS}` were heard for {by_commands:.1f} m of them."
-    elif not jump:
+    elif put <= drives.CARRIED:
         hint = f"It did not drive there from elsewhere, as far as the checker saw. {SINCE}: drive there again."
     expect("it drove all the way", in_one and by_commands >= BY_COMMANDS * moved, hint)
 

@@ -32,7 +32,7 @@ Wait = Callable[[Callable[[], object], float], object]
 
 WALLS = 11.09  # metres, both ways
 LIMIT = 1.0  # m/s, the map server's
-TIMEOUT = 4.0  # seconds for each reaction
+TIMEOUT = 8.0  # seconds for each reaction; it takes a tenth of that, unless the machine is busy
 NEAR = 0.5  # metres, that it may have driven since
 OFF = 0.15  # metres, or m/s
 AGE = 0.35e9  # nanoseconds between a pose and the scan from there, at most

@@ -103,13 +103,9 @@ class Monitor(Node):
 
 
 THREADED = f"""
-import threading
 from rclpy.executors import MultiThreadedExecutor
 {ELAPSED}
-monitor = Monitor()
-executor = MultiThreadedExecutor()
-executor.add_node(monitor)
-threading.Thread(target=executor.spin, daemon=True).start()
+monitor = run(Monitor, executor=MultiThreadedExecutor())
 """
 
 ANSWERS = Answers(

@@ -99,10 +99,7 @@ class Watchdog(Node):
         self.pub.publish(Bool(data=is_alive))
         self.extra.publish(String(data="alive" if is_alive else "silent"))
 
-watchdog = Watchdog()
-executor = MultiThreadedExecutor()
-executor.add_node(watchdog)
-threading.Thread(target=executor.spin, daemon=True).start()
+watchdog = run(Watchdog, executor=MultiThreadedExecutor())
 """
 
 FLAG = """
