@@ -102,6 +102,11 @@ def nobody_else(*topics: str) -> None:
     current().only_for_the_answer.update(topics)
 
 
+def time_left() -> float:
+    """Seconds until the exercise's time is over."""
+    return current().left
+
+
 def pause(seconds: float) -> None:
     """Let time pass in which nothing is done."""
     wait(lambda: False, seconds)

@@ -231,7 +231,7 @@ def _two_rates(turtle: Publisher, slow: Heard) -> tuple[Timed, Timed]:
     """Some poses at the rate of a turtle and some at a lower one: what was sent, and what came of it."""
     before = len(slow)
     sent = _send(turtle, POSE_RATE, chance().randint(90, 130))
-    sent += _send(turtle, chance().uniform(25, 40), chance().randint(50, 80))
+    sent += _send(turtle, chance().uniform(16, 28), chance().randint(45, 65))
     pause(0.4)
     return sent, slow.arrivals[before:]
 

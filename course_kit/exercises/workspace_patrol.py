@@ -31,6 +31,7 @@ from course_kit.watching import topics
 
 LAP_TIMEOUT = 36.0
 SLOWEST_TURN = 0.95  # rad/s that a turn reaches
+TO_TAKE_EFFECT = 1.2  # seconds from a parameter to poses that follow it, on a busy machine too
 METRES = 0.2  # that a turtle of the launch drives, at least
 ROOMS = ("one", "two")
 
@@ -78,10 +79,10 @@ def _drawn() -> tuple[tuple[float, float], tuple[float, float]]:
 
 def _check_limits(driven: Heard, speed: float) -> None:
     """A speed of 0 or less is refused and has no effect, a small one is taken."""
-    below = round(-chance().uniform(0.1, 2.0), 2)
+    below = round(-speed * chance().choice((chance().uniform(0.2, 0.7), chance().uniform(1.4, 2.0))), 2)  # not as fast
     refused = {value: set_parameter("/patrol", "speed", value) for value in chance().sample([0.0, below], 2)}
     kept = get_parameters("/patrol", "speed")[0]
-    pause(0.3)  # what it does now is what it does since
+    pause(TO_TAKE_EFFECT)
     before = len(driven)
     drives_on = wait(lambda: abs(paths.top_speed(driven.messages[before:]) - speed) < 0.15 * speed, 6.0)
     small = round(chance().uniform(0.02, 0.09), 2)

@@ -220,7 +220,7 @@ ANSWERS = Answers(
         Wrong("too_slow", changed(COUNTDOWN, ("sleep(0.1)", "sleep(0.2)")), 2, "all came 0.20 s apart"),
         Wrong(
             "order_by_heart",
-            changed(COUNTDOWN, ("goal_handle.request.order, -1", "5, -1")),
+            changed(COUNTDOWN, ("goal_handle.request.order, -1", "0, -1")),
             0,
             "each is a sequence of one",
         ),
@@ -235,7 +235,7 @@ ANSWERS = Answers(
                 ),
             ),
             2,
-            "is without an end 2.",
+            "was to be cancelled after",
         ),
         Wrong(
             "no_such_name",

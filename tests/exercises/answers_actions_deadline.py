@@ -185,7 +185,7 @@ ANSWERS = Answers(
             2,
             "is succeeded, with",
         ),
-        Wrong("slow", changed(DEADLINE, ("sleep(0.1)", "sleep(0.2)")), 2, "and not 0.1 s"),
+        Wrong("slow", changed(DEADLINE, ("sleep(0.1)", "sleep(0.2)")), 2, "count as CountingServer does"),
     ],
     DEADLINE_STYLES,
 )

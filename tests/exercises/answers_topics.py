@@ -346,7 +346,10 @@ ANSWERS = [
             Wrong("not_at_once", NOT_AT_ONCE, 2, "publish in the callback"),
             Wrong(
                 "only_while_it_moves",
-                changed(RELAY, ("self.count += 1", "self.count += pose.linear_velocity != 0.0")),
+                changed(
+                    RELAY,
+                    ("self.count += 1", "if not pose.linear_velocity:\n            return\n        self.count += 1"),
+                ),
                 1,
                 "count the calls of the callback",
             ),

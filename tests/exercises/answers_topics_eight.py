@@ -210,8 +210,8 @@ class FigureEight(Node):
             dx, dy = self.home[0] - pose.x, self.home[1] - pose.y
             error = math.remainder(math.atan2(dy, dx) - pose.theta, math.tau)
             twist = Twist()
-            if math.hypot(dx, dy) > 0.05:
-                twist.linear.x, twist.angular.z = (0.5 if abs(error) < 0.3 else 0.0), 4.0 * error
+            if math.hypot(dx, dy) > 0.1:
+                twist.linear.x, twist.angular.z = (0.3 if abs(error) < 0.3 else 0.0), 4.0 * error
         self.publisher.publish(twist)
 """,
     "thread_backwards_and_small": """

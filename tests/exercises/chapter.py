@@ -21,7 +21,7 @@ FOLDER = Path(__file__).parents[2] / "notebooks"
 # {"setup": "01_setup_checks", …}
 NOTEBOOKS = dict(zip(CHAPTERS, sorted(path.stem for path in FOLDER.glob("[0-9][0-9]_*.ipynb")), strict=True))
 CELL_TIMEOUT = 240.0  # some build a package
-CHECK_TIMEOUT = 150.0
+CHECK_TIMEOUT = 180.0
 # Their answers take minutes together.
 ALONE = (
     *("workspace-2", "workspace-4", "workspace-5", "topics-1", "topics-4", "services-2", "services-5"),
