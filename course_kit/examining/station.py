@@ -142,8 +142,9 @@ class Station:
             return True
 
         def find() -> bool:
-            self._examined |= {one.participant for one in self.discovery.announced() if (node, "/") in one.nodes}
-            return bool(self._examined)
+            found = {one.participant for one in self.discovery.announced() if (node, "/") in one.nodes}
+            self._examined |= found
+            return bool(found)
 
         return wait_until(find, timeout, POLL)
 

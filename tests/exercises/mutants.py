@@ -6,6 +6,7 @@ import ast
 import copy
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.GtE),
@@ -39,7 +40,11 @@ class Mutant:
     source: str
 
 
-Change = Callable[[ast.AST], None]  # of a node of a copy of the program
+class Change(NamedTuple):
+    """A change of a node of a copy of the program."""
+
+    make: Callable[[ast.AST], None]
+    words: str = ""  # what it is, where the line that differs does not show it
 
 
 def mutants(source: str, only_classes: bool) -> list[Mutant]:
@@ -57,10 +62,10 @@ def mutants(source: str, only_classes: bool) -> list[Mutant]:
             continue
         for change in _changes(node):
             mutated = copy.deepcopy(tree)
-            change(list(ast.walk(mutated))[place])
+            change.make(list(ast.walk(mutated))[place])
             text = ast.unparse(ast.fix_missing_locations(mutated))
             if text != plain and text not in found and _compiles(text):
-                found[text] = Mutant(_difference(plain, text), text)
+                found[text] = Mutant(change.words or _difference(plain, text), text)
     return list(found.values())
 
 
@@ -97,7 +102,7 @@ def _set(**fields: object) -> Change:
         for name, value in fields.items():
             setattr(node, name, value)
 
-    return change
+    return Change(change)
 
 
 def _changes(node: ast.AST) -> Iterator[Change]:
@@ -108,7 +113,7 @@ def _changes(node: ast.AST) -> Iterator[Change]:
     elif isinstance(node, ast.BoolOp):
         yield _set(op=ast.Or() if isinstance(node.op, ast.And) else ast.And())
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
-        yield _without_operator
+        yield Change(_without_operator)
     elif isinstance(node, ast.If | ast.IfExp | ast.While):
         if not isinstance(node, ast.While):
             yield _set(test=ast.Constant(True))
@@ -118,7 +123,7 @@ def _changes(node: ast.AST) -> Iterator[Change]:
     elif isinstance(node, ast.Call):
         yield from _calls(node)
     elif isinstance(node, ast.Await):
-        yield _without_await
+        yield Change(_without_await)
     if isinstance(node, ast.AST) and hasattr(node, "body") and isinstance(node.body, list):
         yield from _left_out(node)
     if isinstance(node, ast.If) and node.orelse and not isinstance(node.orelse[0], ast.If):
@@ -126,7 +131,7 @@ def _changes(node: ast.AST) -> Iterator[Change]:
     if isinstance(node, ast.Return) and node.value is not None:
         yield _set(value=None)
     if isinstance(node, ast.AugAssign):
-        yield _set_to_assignment
+        yield Change(_set_to_assignment)
 
 
 def _constants(node: ast.Constant) -> Iterator[Change]:
@@ -140,7 +145,8 @@ def _constants(node: ast.Constant) -> Iterator[Change]:
     elif isinstance(value, str):
         inner = _program(value)
         if inner is not None:
-            yield from (_set(value=mutant.source + "\n") for mutant in mutants(value, only_classes=False))
+            for mutant in mutants(value, only_classes=False):
+                yield _set(value=mutant.source + "\n")._replace(words=f"in a file, {mutant.change}")
         elif len(value) < 60:
             yield _set(value=f"{value}_x" if value else "x")
 
@@ -157,12 +163,10 @@ def _program(text: str) -> ast.Module | None:
 def _calls(node: ast.Call) -> Iterator[Change]:
     for place, keyword in enumerate(node.keywords):
         if keyword.arg in SETTINGS or (keyword.arg and node.keywords and isinstance(node.func, ast.Attribute)):
-            yield lambda copied, place=place: copied.keywords.pop(place)  # type: ignore[misc, attr-defined]
+            yield Change(lambda copied, place=place: copied.keywords.pop(place))  # type: ignore[misc, attr-defined]
     for place, argument in enumerate(node.args):
         if isinstance(argument, ast.Name) and "qos" in argument.id.lower():
-            yield lambda copied, place=place: copied.args.__setitem__(  # type: ignore[misc, attr-defined]
-                place, ast.Constant(10)
-            )
+            yield Change(lambda copied, place=place: copied.args.__setitem__(place, ast.Constant(10)))  # type: ignore
 
 
 def _left_out(node: ast.AST) -> Iterator[Change]:
@@ -178,7 +182,7 @@ def _left_out(node: ast.AST) -> Iterator[Change]:
             statements = copied.body  # type: ignore[attr-defined]
             statements[place : place + 1] = [] if len(statements) > 1 else [ast.Pass()]
 
-        yield leave_out
+        yield Change(leave_out)
 
 
 def _without_operator(node: ast.AST) -> None:

@@ -134,6 +134,15 @@ def examine(host: AnswerHost, examination: Examination, node_class: type[Node]) 
     assert examination.stage.examine(f"_stage_{TOKEN}", 5.0)
 
 
+def test_a_second_answer_is_not_the_first(host: AnswerHost, examination: Examination) -> None:
+    for number, node_class in enumerate((Talker, Serves, Talker, Serves)):
+        host.start(node_class, str(number))
+        assert examination.stage.examine(f"_stage_{number}", 5.0)
+        name = "/lamp" if node_class is Serves else "/talker"
+        wait_until(lambda: examination.stage.their_nodes())
+        assert examination.stage.their_nodes() == [name]
+
+
 @pytest.mark.parametrize("node_class", [Talker, PlainInit, Mixed, Managed, WithAHelper, FromAThread])
 def test_every_legal_style_is_examined(
     host: AnswerHost, examination: Examination, stranger: Node, node_class: type[Node]
