@@ -7,7 +7,8 @@ import os
 import threading
 from collections import deque
 from collections.abc import Callable, Collection, Iterable
-from typing import Any, NamedTuple, TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import psutil  # type: ignore[import-untyped]
 from rclpy.node import Node
@@ -31,12 +32,18 @@ KEPT_CHANGES = 50_000  # of one that is listened to for hours: a turtle moves fo
 POLL = 0.005  # seconds
 
 
-class Arrival(NamedTuple):
+@dataclass(slots=True)
+class Arrival:
     """One message: when the middleware received it (nanoseconds since the epoch), its publisher's id, itself."""
 
     received: int
     publisher: bytes  # b"" where the middleware does not tell
     serialised: bytes
+    message: Any = None  # once it was asked for: checks look again and again, beside a simulator that must not wait
+
+    def repeats(self, other: Arrival) -> bool:
+        """Whether the same publisher says the same again."""
+        return (self.publisher, self.serialised) == (other.publisher, other.serialised)
 
 
 class Heard:
@@ -63,9 +70,10 @@ class Heard:
         arrival = Arrival(info["received_timestamp"], info.get("publisher", b""), serialised)
         with self._lock:
             self.received += 1
-            if self._changes and len(self._kept) > 1 and self._kept[-2][1:] == self._kept[-1][1:] == arrival[1:]:
-                self._kept.pop()
-            self._kept.append(arrival)
+            kept = self._kept
+            if self._changes and len(kept) > 1 and arrival.repeats(kept[-1]) and arrival.repeats(kept[-2]):
+                kept.pop()
+            kept.append(arrival)
 
     def __len__(self) -> int:
         return len(self._all())
@@ -76,8 +84,10 @@ class Heard:
         counts = {publisher: self._counts(publisher) for publisher in {one.publisher for one in kept}}
         return [one for one in kept if counts[one.publisher]]
 
-    def _read(self, serialised: bytes) -> Any:
-        return deserialize_message(serialised, self.type)
+    def _read(self, arrival: Arrival) -> Any:
+        if arrival.message is None:
+            arrival.message = deserialize_message(arrival.serialised, self.type)
+        return arrival.message
 
     @property
     def times(self) -> list[int]:
@@ -87,7 +97,7 @@ class Heard:
     @property
     def arrivals(self) -> list[tuple[int, Any]]:
         """When each message came, and the message, oldest first."""
-        return [(one.received, self._read(one.serialised)) for one in self._all()]
+        return [(one.received, self._read(one)) for one in self._all()]
 
     @property
     def messages(self) -> list[Any]:
@@ -102,15 +112,13 @@ class Heard:
     def of(self, publishers: Collection[bytes]) -> list[tuple[int, Any]]:
         """The arrivals that came from these publishers; all where the middleware does not tell who sent them."""
         return [
-            (one.received, self._read(one.serialised))
-            for one in self._all()
-            if not one.publisher or one.publisher in publishers
+            (one.received, self._read(one)) for one in self._all() if not one.publisher or one.publisher in publishers
         ]
 
     @property
     def last(self) -> Any:
         """The newest message. IndexError if none has come."""
-        return self._read(self._all()[-1].serialised)
+        return self._read(self._all()[-1])
 
 
 class Station:
