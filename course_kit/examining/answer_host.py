@@ -74,9 +74,6 @@ class AnswerHost:
         try:
             with made_by(self._make):
                 node = construct(node_class, [], {})
-                if node.context is not self._context:
-                    node.destroy_node()
-                    raise TypeError(f"{node_class.__name__} is made in a context of its own: leave `context=` out")
                 if threads is None:
                     threads = any(map(blocks, actions_of(node)))
                 executor = MultiThreadedExecutor(num_threads=THREADS, context=self._context) if threads else None
@@ -87,15 +84,16 @@ class AnswerHost:
             _default.reset(entered)
 
     def _make(self, node: Node, plain: Callable[..., None], name: str, options: dict[str, Any]) -> None:
-        """Make a node of the answer on the stage, unless it says where.
+        """Make a node of the answer on the stage.
 
         It has no /rosout: rcl keeps one publisher for each name in a process, and that is the one of the node of the
         same name that the student may have running.
         """
-        if options.get("context") in (None, self._context):
-            overrides = [*(options.get("parameter_overrides") or []), *WITHOUT_DESCRIPTIONS]
-            options |= {"context": self._context, "enable_rosout": False, "parameter_overrides": overrides}
-            self._made.append(node)
+        if options.get("context") not in (None, self._context):
+            raise TypeError(f"the node {name} is made in a context of its own: leave `context=` out")
+        overrides = [*(options.get("parameter_overrides") or []), *WITHOUT_DESCRIPTIONS]
+        options |= {"context": self._context, "enable_rosout": False, "parameter_overrides": overrides}
+        self._made.append(node)
         plain(node, name, **options)
 
     def _note(self, name: str, error: Exception) -> None:

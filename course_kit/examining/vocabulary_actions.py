@@ -30,6 +30,7 @@ ARRIVAL = 1.0  # seconds that an end may take to be found
 LOOK = 0.02  # seconds from one look to the next of the checker's server
 PATIENCE = 1.0  # seconds that it waits for a request to cancel
 HASTE = 0.01  # seconds from number to number once it has refused
+REFUSAL = 0.5  # seconds that it rests after that, in which the goal goes on
 SAMPLE, MOST_WORK = 500, 60_000  # parameters: of what is measured, and in one request
 # By the numbers of action_msgs/msg/GoalStatus.
 STATUSES = ("unknown", "accepted", "executing", "canceling", "succeeded", "canceled", "aborted")
@@ -163,6 +164,8 @@ class FibonacciServer:
         self.orders: list[int] = []
         self.published = 0
         self.cancelled_after: int | None = None  # feedback messages
+        self.hesitated = 0.0  # seconds from the last of them to the request to cancel
+        self._last = 0.0
         self.ended: list[str] = []
 
     def _prepare(self, node: Node) -> None:
@@ -172,6 +175,7 @@ class FibonacciServer:
     def _on_cancel(self, _: Any) -> CancelResponse:
         if self.cancelled_after is None:
             self.cancelled_after = self.published
+            self.hesitated = time.monotonic() - self._last
         return CancelResponse.REJECT if self._refuses else CancelResponse.ACCEPT
 
     async def _sleep(self, seconds: float) -> None:
@@ -190,6 +194,8 @@ class FibonacciServer:
             while self.cancelled_after is None and time.monotonic() < until:
                 await self._sleep(LOOK)
         is_refused = self._refuses and self.cancelled_after is not None
+        if is_refused and self.published == self.cancelled_after:
+            await self._sleep(REFUSAL)
         await self._sleep(HASTE if is_refused else self._period)
 
     async def _execute(self, goal: Any) -> Fibonacci.Result:
@@ -205,7 +211,7 @@ class FibonacciServer:
                 self.ended.append("canceled")
                 return Fibonacci.Result(sequence=sequence)
             sequence.append(sequence[-1] + sequence[-2])
-            self.published += 1
+            self.published, self._last = self.published + 1, time.monotonic()
             goal.publish_feedback(Fibonacci.Feedback(sequence=sequence))
         goal.succeed()
         self.ended.append("succeeded")

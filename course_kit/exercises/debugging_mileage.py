@@ -31,6 +31,9 @@ JUMPS = ((JUST_ABOVE, JUST_ABOVE), (0.25, 0.5), (0.5, 0.95), (1.0, 3.0), (3.0, 7
 FIELD = 11.0  # metres, both ways
 START, FROM_START = 5.544445, (0.03, 0.12)  # metres; where a turtle begins, and how far from there it does here
 OFF = 0.01  # metres
+SLOW, SLOW_STEPS = (0.002, 0.009), (15, 20)  # metres of a step, and how many: together more than OFF
+DRIVING = (1.0, 3.0)  # m/s of a turtle that is teleported, or held by the wall
+DIAGONAL = 0.2  # radians that the shortest jumps are off a diagonal, where both coordinates change by less than JUMP
 ANSWER_TIMEOUT = 1.0
 MISSES = 3  # poses without an answer, after which no answer is waited for
 EXTRA = 0.2  # seconds in which nothing more may come
@@ -55,7 +58,7 @@ def mileage() -> None:
         needed=not all(leg.said for leg in legs),
     )
     off = next((leg.off for leg in legs if leg.off and not leg.jumps), "")
-    expect("what is driven counts", not off, f"{off}. Add `math.dist` of one pose and the one before.")
+    expect("what is driven counts", not off, f"{off}. Add `math.dist` of the places of one pose and the one before.")
     off = next((leg.off for leg in legs if leg.off and leg.jumps), "")
     expect(
         "a teleport does not count, and what comes after it does",
@@ -75,12 +78,14 @@ def _legs(turtle: Publisher, start: float) -> list[_Leg]:
     wait(lambda: heard.publisher_count > 0, 3.0)
     track = _Track(start)
     track.drive(chance().randint(20, 30))
+    track.creep()
     driven = track.send(turtle, heard, 0.0)
     jumps = [chance().uniform(*bounds) for bounds in JUMPS]
     chance().shuffle(jumps)
     for jump in jumps:
         track.step(jump)
         track.drive(chance().randint(0, 5))
+    track.creep()
     return [driven, track.send(turtle, heard, driven.said[-1] if driven.said else 0.0)]
 
 
@@ -130,21 +135,31 @@ class _Track:
         self._sent = 0
 
     def step(self, length: float) -> None:
-        """Go a way in some direction."""
-        before = self._poses[-1]
-        x = y = theta = -1.0
+        """Go a way in some direction, forwards or backwards."""
+        before, is_driven = self._poses[-1], length <= JUMP
+        x = y = course = -1.0
         while not (0.0 < x < FIELD and 0.0 < y < FIELD):
-            theta = chance().uniform(-math.pi, math.pi)
-            x, y = (float(np.float32(at + length * along)) for at, along in _along(before, theta))
-        is_driven = length <= JUMP
-        speed = length / TICK if length < 2 * JUMP else 0.0  # a turtle does not drive while it is teleported
-        self._poses.append(Pose(x=x, y=y, theta=theta, linear_velocity=speed))
+            course = chance().uniform(-math.pi, math.pi)
+            if not is_driven and length < 1.3 * JUMP:
+                course = math.pi / 4 + chance().randrange(4) * math.pi / 2 + chance().uniform(-DIAGONAL, DIAGONAL)
+            x, y = (float(np.float32(at + length * along)) for at, along in _along(before, course))
+        speed = length / TICK if 0.0 < length < 2 * JUMP else chance().uniform(*DRIVING)
+        backwards = chance().random() < 0.3
+        theta = math.remainder(course + math.pi * backwards, math.tau)
+        self._poses.append(Pose(x=x, y=y, theta=theta, linear_velocity=-speed if backwards else speed))
         self._wanted.append(self._wanted[-1] + math.dist((x, y), (before.x, before.y)) * is_driven)
         self._jumps += [] if is_driven else [length]
 
     def drive(self, count: int) -> None:
-        """So many steps, one that just counts, and one in which the turtle stands."""
+        """So many steps, one that just counts, and one in which the turtle stands, at the wall perhaps."""
         steps = [*(chance().uniform(0.01, 0.19) for _ in range(count)), JUST_BELOW, 0.0]
+        self._go(steps)
+
+    def creep(self) -> None:
+        """Some very short steps."""
+        self._go([chance().uniform(*SLOW) for _ in range(chance().randint(*SLOW_STEPS))])
+
+    def _go(self, steps: list[float]) -> None:
         chance().shuffle(steps)
         for length in steps:
             self.step(length)

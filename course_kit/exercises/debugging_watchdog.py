@@ -29,6 +29,8 @@ FRESH = 0.5  # seconds
 LEEWAY = 0.1  # seconds that a scan and a message may take on their way, in all
 RATE = 5.0  # Hz
 RATE_WITHIN = 0.2  # parts of it, and one message more or less
+WHOLE_WITHIN = 0.12  # the same over the whole of a turn
+EARLY, LATE = (0.02, 0.06), (0.14, 0.16)  # seconds from a message to the last scan: true at 0.36 s, false at 0.65 s
 
 
 @exercise("debugging-3", "A watchdog", points=3, level="medium", timeout=30, node_class="Watchdog")
@@ -78,10 +80,15 @@ def _watch_scans(alive: Heard, laser: Publisher) -> _Turn:
     fast = chance().uniform(10.0, 20.0)
     bursts = [(fast, round(fast * chance().uniform(0.8, 1.2))), (2.5, chance().randint(3, 4)), (2.5, 1)]
     chance().shuffle(bursts)
-    for rate, count in bursts:
+    phases = [EARLY, EARLY, LATE]
+    chance().shuffle(phases)
+    turn_began, all_since = time.monotonic(), time.time_ns()
+    for (rate, count), phase in zip(bursts, phases, strict=True):
         began = due = time.monotonic()
         since = time.time_ns()
-        for _ in range(count):
+        for number in range(count):
+            if number == count - 1:
+                _pause_until_after_a_message(alive, chance().uniform(*phase))
             sent.append(time.time_ns())
             laser.publish(_a_scan())
             due += 1 / rate
@@ -92,7 +99,16 @@ def _watch_scans(alive: Heard, laser: Publisher) -> _Turn:
             scans = f"{count} scans came, {rate:.1f} a second" if count > 1 else "one scan came"
             turn.off_rate.append(f"In {seconds:.1f} s in which {scans}, it published {len(came)} times")
         turn.wrong += [text for when, message in came if (text := _why_wrong(message.data, when, sent))]
+    seconds, published = time.monotonic() - turn_began, sum(when >= all_since for when in alive.times)
+    if abs(published - RATE * seconds) > 1 + WHOLE_WITHIN * RATE * seconds:
+        turn.off_rate.append(f"In {seconds:.1f} s it published {published} times")
     return turn
+
+
+def _pause_until_after_a_message(alive: Heard, seconds: float) -> None:
+    """Wait until it is so long after a message, as far as the last one tells when they come."""
+    last = alive.times[-1] * 1e-9 if len(alive) else 0.0
+    pause((last + seconds - time.time()) % (1 / RATE))
 
 
 def _why_wrong(said: bool, when: int, sent: list[int]) -> str:

@@ -15,6 +15,7 @@ from course_kit.examining.vocabulary import (
     chance,
     expect,
     expect_node,
+    pause,
     read,
     require,
 )
@@ -53,7 +54,7 @@ def lamp() -> None:
         "`message` and `self.is_on` tell the state afterwards",
         seen.tells_states,
         f"Asked for {seen.asked} its messages were {', '.join(repr(response.message) for response in seen.said)}, and "
-        f"`self.is_on` was {', '.join(map(repr, seen.states[1:]))}: set self.is_on first, then the message.",
+        f"`self.is_on` was {', '.join(map(repr, seen.states[1:]))}: {_why_other_states(seen)}.",
     )
 
 
@@ -80,6 +81,14 @@ class Switched:
     def tells_states(self) -> bool:
         """Whether each `message` is right, and each `self.is_on`."""
         return [one.message for one in self.said] == [*map(_word, self.data)] and self.states[1:] == self.data
+
+
+def _why_other_states(seen: Switched) -> str:
+    if not all(isinstance(state, bool) for state in seen.states):
+        return "self.is_on is True or False"
+    if not {response.message for response in seen.said} <= {"on", "off"}:
+        return "the message is `on` or `off`, and nothing else in it"
+    return "set self.is_on first, then the message"
 
 
 def _word(is_on: bool) -> str:
@@ -116,8 +125,9 @@ def add_three_times() -> None:
     server = a_server("/add_two_ints", AddTwoInts, adder)
     answer()
     clients = [expect_service("/add_three_times", AddTwoInts), Client("/add_three_times", AddTwoInts)]
-    asked = [_numbers(LARGEST), {"a": (one := chance().randint(1, 99)), "b": -one}, _numbers(99), _numbers(99)]
-    chance().shuffle(asked)
+    small, others = _numbers(99), [_numbers(LARGEST), _numbers(99)]
+    first = {"a": (one := chance().randint(1, 99)), "b": -one}  # 0, which who does not answer answers too
+    asked = [*chance().sample([first, small], 2), *chance().sample(others, 2)]
     came, counts = [], []
     for request, client in zip(asked[:2], clients, strict=True):
         before = len(server.requests)
@@ -149,13 +159,13 @@ def add_three_times() -> None:
         f"It asked {counts[0]} times for one request, {counts[1]} times for the next, and {counts[2]} times for two at "
         f"once: a + b, then that twice, then the two together.",
     )
-    _check_that_it_only_passes_on(adder, server, chance().choice(clients))
+    _check_that_it_only_passes_on(adder, server, chance().choice(clients), small)
 
 
-def _check_that_it_only_passes_on(adder: Adder, server: Server, client: Client) -> None:
-    """The server now adds wrong, by which one sees who has added."""
+def _check_that_it_only_passes_on(adder: Adder, server: Server, client: Client, request: dict[str, int]) -> None:
+    """The server now adds wrong, by which one sees who has added; the request is one that it knows."""
     server.delay, adder.too_much = 0.0, chance().randint(1, 9)
-    before, request = len(server.responses), _numbers(99)
+    before = len(server.responses)
     brought = _sum(client.ask(**request))
     told = [response.sum for response in server.responses[before:]]
     sent = [(each.a, each.b) for each in server.requests[before:]]
@@ -164,7 +174,8 @@ def _check_that_it_only_passes_on(adder: Adder, server: Server, client: Client) 
         "what it answers is the last thing it was told: it adds nothing itself",
         told and brought == told[-1] and all({*pair} <= numbers for pair, numbers in zip(sent, known, strict=True)),
         f"Asked for {_written([request])} it sent {sent} to an /add_two_ints that adds {adder.too_much} too much and "
-        f"told it {told}, and it answered {brought}: let the server add the sums, too, and answer the last one.",
+        f"told it {told}, and it answered {brought}: let the server add the sums, too, for each request anew, and "
+        f"answer the last one.",
     )
 
 
@@ -186,6 +197,13 @@ def parallel_server() -> None:
         longest = min(longest, max(each.seconds for each in at_once))
         if longest <= AT_ONCE:
             break
+    requests = [_numbers(999) for _ in clients]
+    in_the_midst = []
+    for request, client in zip(requests, clients, strict=True):
+        in_the_midst.append(client.send(**request))
+        pause(chance().uniform(0.1, 0.2))  # the second comes while the first sleeps, and sleeps as long
+    came += wait_for_answers(3.0, *in_the_midst)
+    asked += requests
     sums, wanted = [_sum(each) for each in came], [each["a"] + each["b"] for each in asked]
     expect(
         "the sums are right",

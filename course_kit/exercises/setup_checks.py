@@ -27,6 +27,7 @@ from course_kit.turtlesim.field import EXTENT
 
 INFO = 20
 GREETING = "Nice to meet you, "
+NEARLY = "nice.{0,3}to.{0,3}meet"
 GREETING_TIMEOUT = 3.0  # seconds; the text says 2
 # What stands in place of a name: the text's own words, a variable that was not filled in, nothing.
 NO_NAMES = {"", "yourname", "yournamehere", "myname", "name", "none"}
@@ -47,12 +48,11 @@ SINCE = "It looks on from the first check in this notebook on"
 def read_the_report(value: Any) -> None:
     """The number of the domain in which the notebook's nodes are, and the word for the discovery range."""
     domain, reach = parts(value, 2)
-    expect_value(
+    expect(
         "the domain",
-        None if isinstance(domain, bool) else domain,
-        current().student.domain,
-        "It is a number, without quotes: `os.environ['ROS_DOMAIN_ID']`, or the row *domain* of the report, has it. "
-        "What a cell writes there later moves no node.",
+        domain == current().student.domain and not isinstance(domain, bool),
+        f"You gave {domain!r}. It is a number, without quotes: `os.environ['ROS_DOMAIN_ID']`, or the row *domain* of "
+        "the report, has it. What a cell writes there later moves no node.",
         points=0,
     )
     expect_value(
@@ -85,12 +85,15 @@ def greeter() -> None:
     expect_running_node("/greeter", "Greeter", points=1)
     lines = logged_by("greeter", lambda line: line.level == INFO and _greets(line.msg), GREETING_TIMEOUT)
     greetings = [line for line in lines if _greets(line.msg)]
-    nearest = next((line for line in reversed(lines) if line.msg.strip().startswith(GREETING.strip())), None)
+    nearest = next((line for line in reversed(lines) if re.search(NEARLY, line.msg, re.IGNORECASE)), None)
     line = nearest or (lines[-1] if lines else None)
     heard = f"It logged {line.msg!r}." if line else "It logged nothing that the checker heard."
     hint = f"{heard} Log with `self.get_logger().info(…)` in __init__ (print() goes to nobody else), then run it again."
-    if nearest:
-        hint = f"{heard} The words are `{GREETING}` and then a name: yours, not a placeholder for it."
+    if nearest or any(line.level == INFO for line in lines):
+        hint = (
+            f"{heard} The line is exactly `{GREETING}` and then a name: yours, not a placeholder for it, without "
+            f"< and >; it comes within two seconds."
+        )
     if greetings:
         hint = "The text is right, the level is not INFO: INFO is `self.get_logger().info(…)`."
     expect(f"it logged `{GREETING}…` with the level INFO", any(line.level == INFO for line in greetings), hint)
@@ -99,7 +102,7 @@ def greeter() -> None:
 def _greets(text: str) -> bool:
     """Whether a line greets with a name."""
     words = text.strip()
-    if not words.startswith(GREETING) or re.search(r"[{}]|%s|your name", words, re.IGNORECASE):
+    if not words.startswith(GREETING) or re.search(r"[{}]|<[^<>]*>|%s|your name", words, re.IGNORECASE):
         return False
     return re.sub(r"[\W_]", "", words[len(GREETING) :]).casefold() not in NO_NAMES
 
@@ -143,8 +146,9 @@ def _why_it_did_not_drive(steps: Sequence[Step]) -> str:
             f"It moved {moved:.1f} m, and no command on `{FIRST_COMMANDS}` was heard that would have it do so. "
             f"{SINCE}: drive with `drive()`, or publish there."
         )
+    saw = f"only {moved:.1f} m of movement" if moved > STANDS else "no movement"
     return (
-        f"It saw no movement on `{FIRST_POSE}` since `{FIRST}` was started. {SINCE}: "
+        f"It saw {saw} on `{FIRST_POSE}` since `{FIRST}` was started. {SINCE}: "
         f"run the cell above again, with the driving in it, and then this one."
     )
 

@@ -31,17 +31,18 @@ from course_kit.turtlesim.turtle import TICK
 
 OFF_MIDDLE = 0.35  # metres at most, in x and in y: there is room for two circles of 2.5 m, whatever the heading
 BEGIN_TIMEOUT = 10.0
-DRIVE_TIMEOUT = 90.0  # two circles of 2.5 m at 0.5 m/s take 63 s
+DRIVE_TIMEOUT = 90.0  # seconds of driving; two circles of 2.5 m at 0.5 m/s take 63 s
 REST = 3.0  # seconds for which the turtle may stand between the circles
 LOOK = 0.1  # seconds from one look at it to the next
 LOOKS = round(1.1 * REST / LOOK)  # in a little more than a rest
 TURNED = 6 * math.tau  # radians, three times those of two circles, after which it goes on for ever
-WHOLE = 0.15  # of a turn that may be missing or too much
+WHOLE = 0.1  # of a turn that may be missing or too much
 ROUND = 0.1  # of the radius
 ALIKE = 0.85  # the smaller circle's length as a part of the larger one's, at least
 LATEST_TICK = 3 * TICK
 CLOSED = 0.3  # metres
 AROUND = 1.0  # metres around a circle, at least
+BESIDE = 0.12  # of their width, by which the middles of two circles may be nearer or farther
 KILLED = "turtle1 was killed: drive it, and leave it where it arrives."
 
 
@@ -70,7 +71,7 @@ class Figure:
     @property
     def is_closed(self) -> bool:
         """Whether it ends where it began."""
-        return self.missing <= CLOSED and self.length > 2 * AROUND
+        return self.missing <= CLOSED and self.length > AROUND  # it has not stood still
 
     @property
     def is_right(self) -> bool:
@@ -150,7 +151,7 @@ def _drive_until_it_stands(turtlesim: TurtleSim, driven: Heard, before: int) -> 
         stands = len(seen) >= LOOKS and not any(map(_moves, seen[-LOOKS:]))
         return stands or not is_there() or (len(seen) % 20 == 0 and circles.turned_in_all(seen) > TURNED)
 
-    wait(is_over, DRIVE_TIMEOUT, poll=LOOK)
+    wait(is_over, DRIVE_TIMEOUT + 1.5 * REST, poll=LOOK)
     require("turtle1 is still there", is_there(), KILLED)
     poses = driven.messages[before:]
     require(
@@ -173,10 +174,15 @@ def _is_whole(circle: circles.Circle) -> bool:
 def _touch(first: circles.Circle, second: circles.Circle) -> bool:
     """Beside each other: their middles are as far apart as they are wide."""
     wide = first.radius + second.radius
-    return abs(math.dist(first.middle, second.middle) - wide) < 0.25 * wide
+    return abs(math.dist(first.middle, second.middle) - wide) < BESIDE * wide
 
 
 def _why_not_whole(circle: circles.Circle, so: str) -> str:
+    if abs(circle.turned) > 1.5 * math.tau:
+        return (
+            f"{so} {_degrees(circle.turned)}, more than one circle, before it turned the other way, or to its end: "
+            f"two circles make the figure, one to each side."
+        )
     if circle.error >= ROUND:
         return (
             f"{so} {_degrees(circle.turned)}, and came {circle.error:.0%} of the radius off a circle: linear.x and "
@@ -189,7 +195,7 @@ def _why_not_whole(circle: circles.Circle, so: str) -> str:
 
 
 def _why_not_the_second(first: circles.Circle, second: circles.Circle) -> str:
-    if second.error >= ROUND:
+    if second.error >= ROUND or abs(second.turned) > 1.5 * math.tau:
         return _why_not_whole(second, "After the first it turned by")
     if _is_whole(second) and first.turned * second.turned < 0:
         return (

@@ -225,6 +225,12 @@ ANSWERS = Answers(
             "each is a sequence of one",
         ),
         Wrong(
+            "rejects_above_46",
+            changed(COUNTDOWN, ("goal.order < 0", "not 0 <= goal.order <= 46")),
+            2,
+            "is rejected",
+        ),
+        Wrong(
             "looks_at_the_end",
             changed(
                 COUNTDOWN,

@@ -185,6 +185,21 @@ ANSWERS = Answers(
             2,
             "is succeeded, with",
         ),
+        Wrong(
+            "rejects_above_29",
+            changed(
+                DEADLINE,
+                ("self.execute,\n", "self.execute,\ngoal_callback=lambda goal: list(GoalResponse)[goal.order < 30],\n"),
+            ),
+            0,
+            "is rejected",
+        ),
+        Wrong(
+            "tells_the_last_number",
+            changed(DEADLINE, ("Feedback(sequence=sequence)", "Feedback(sequence=sequence[-1:])")),
+            2,
+            "and not the numbers so far",
+        ),
         Wrong("slow", changed(DEADLINE, ("sleep(0.1)", "sleep(0.2)")), 2, "count as CountingServer does"),
     ],
     DEADLINE_STYLES,

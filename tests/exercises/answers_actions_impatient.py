@@ -167,6 +167,56 @@ ANSWERS = Answers(
             "`self.status` is 5, the goal succeeded",
         ),
         Wrong(
+            "status_of_the_answer_to_cancel",
+            changed(
+                IMPATIENT,
+                (
+                    "self.goal_handle.cancel_goal_async()",
+                    "self.goal_handle.cancel_goal_async().add_done_callback(self.on_answer)",
+                ),
+                (
+                    "    def on_result",
+                    "    def on_answer(self, future):\n"
+                    "        self.status = 5 if future.result().goals_canceling else 4\n\n"
+                    "    def on_result",
+                ),
+                ("self.status = future", "status = future"),
+            ),
+            2,
+            "was 4 before its end",
+        ),
+        Wrong(
+            "late",
+            changed(
+                IMPATIENT,
+                (
+                    "            self.goal_handle.cancel_goal_async()",
+                    "            self.timer = self.create_timer(0.8, self.cancel)",
+                ),
+                (
+                    "    def on_accepted",
+                    "    def cancel(self):\n        self.timer.cancel()\n"
+                    "        self.goal_handle.cancel_goal_async()\n\n"
+                    "    def on_accepted",
+                ),
+            ),
+            2,
+            "s after the fifth",
+        ),
+        Wrong(
+            "tries_again",
+            changed(
+                IMPATIENT,
+                (
+                    "future.result().status",
+                    "future.result().status\n        if self.status == 4:\n"
+                    "            self.action.send_goal_async(Fibonacci.Goal(order=40))",
+                ),
+            ),
+            2,
+            "The orders that came: [40, 40]",
+        ),
+        Wrong(
             "twice",
             changed(
                 IMPATIENT,

@@ -49,6 +49,11 @@ class StarServer(Node):
         return Polygon.Result()
 """
 
+KEEPS_START = """
+        if earlier is None or not earlier.is_active:
+            self.start = (pose.x, pose.y)
+"""
+
 TELEPORTS = changed(
     STAR,
     (
@@ -139,6 +144,25 @@ ANSWERS = Answers(
             ),
             4,
             "m from where this star began",
+        ),
+        Wrong(
+            "home_of_the_first_of_a_series",
+            changed(STAR, ("        start, x, y = (pose.x, pose.y)", f"{KEEPS_START}        start, x, y = self.start")),
+            4,
+            "m from where this star began",
+        ),
+        Wrong(
+            "begins_where_the_first_began",
+            changed(
+                STAR,
+                (
+                    "        start, x, y = (pose.x, pose.y), pose.x, pose.y\n",
+                    f"{KEEPS_START}        start, x, y = self.start, *self.start\n"
+                    "        await self.to(goal_handle, x, y, 5, side)\n",
+                ),
+            ),
+            3,
+            "from where it began",
         ),
         Wrong(
             "canceled_before_the_way_back",

@@ -14,6 +14,7 @@ import math
 import time
 
 from geometry_msgs.msg import Twist
+from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
@@ -28,8 +29,10 @@ stop()
 kept, lossy = "/speed_limit", "/scan"
 """
 
+# A level that an answer before it has set stays in the kernel.
 QUIET = """
 stop()
+set_logger_level("quiet", LoggingSeverity.INFO)
 
 class Quiet(Node):
     def __init__(self):
@@ -44,8 +47,13 @@ class Quiet(Node):
 turtlesim, quiet = run(TurtleSim), run(Quiet)
 """
 
+TELLS = "        self.get_logger().info(text"
+IS_DETAILED = "self.get_logger().get_effective_level() == 10"
+LOUD_AT_DEBUG = f"        if {IS_DETAILED}: self.get_logger().info(text)\n        else: self.get_logger().info(text"
+
 CHILD = """
 stop()
+set_logger_level("quiet", LoggingSeverity.INFO)
 from rclpy.qos import qos_profile_sensor_data as anyhow
 
 class Quiet(Node):
@@ -67,6 +75,7 @@ turtlesim, quiet = run(TurtleSim), run(Quiet)
 
 TIMER = """
 stop()
+set_logger_level("quiet", LoggingSeverity.INFO)
 from rclpy.lifecycle import LifecycleNode
 
 class Quiet(LifecycleNode):
@@ -90,6 +99,7 @@ turtlesim, quiet = run(TurtleSim), run(Quiet)
 
 DRIVEN = """
 stop()
+set_logger_level("quiet", LoggingSeverity.INFO)
 import threading
 from rclpy.executors import MultiThreadedExecutor
 
@@ -307,7 +317,9 @@ ANSWERS = [
             Wrong("y", changed(QUIET, ("{pose.x:.2f}", "{pose.y:.2f}")), 1, "log `pose.x` of the message"),
             Wrong("constant", changed(QUIET, ("info(text", 'info("x = 5.54"')), 2, "no pose with the x of 'x = 5.54'"),
             Wrong("fast", changed(QUIET, ("sec=1.0", "sec=0.5")), 2, "leaves the others out"),
-            Wrong("once", changed(QUIET, ("throttle_duration_sec=1.0", "once=True")), 2, "it logged 0 lines"),
+            Wrong(
+                "once", changed(QUIET, ("throttle_duration_sec=1.0", "once=True")), 2, "at least one in five seconds"
+            ),
             Wrong("warning", changed(QUIET, ("info(text", "warning(text")), 2, "not all of them as INFO"),
             Wrong(
                 "others",
@@ -325,7 +337,37 @@ ANSWERS = [
                 "own_level",
                 changed(QUIET, ("        text =", "        self.get_logger().set_level(10)\n        text =")),
                 2,
+                "Before its level was set",
+            ),
+            Wrong(
+                "starts_at_debug",
+                changed(
+                    QUIET,
+                    ("        self.create_sub", "        self.get_logger().set_level(10)\n        self.create_sub"),
+                ),
+                2,
+                "Before its level was set",
+            ),
+            Wrong(
+                "goes_on",
+                changed(
+                    QUIET,
+                    (
+                        "        self.get_logger().debug(text)",
+                        '        self.details = self.get_logger().get_child("details")\n'
+                        "        if self.get_logger().get_effective_level() == 10: self.details.set_level(10)\n"
+                        "        self.details.debug(text)",
+                    ),
+                ),
+                2,
                 "it goes on to log DEBUG",
+            ),
+            Wrong("loud_at_debug", changed(QUIET, (TELLS, LOUD_AT_DEBUG)), 2, "At the level DEBUG: In"),
+            Wrong(
+                "silent_at_debug",
+                changed(QUIET, (TELLS, f"        if not {IS_DETAILED}: {TELLS.strip()}")),
+                2,
+                "at least one in five seconds",
             ),
             Wrong(
                 "every_second",

@@ -24,6 +24,8 @@ class Mileage(Node):
         self.publisher.publish(Float32(data=self.way))
 """
 
+IMPORT = "\nfrom std_msgs", "\nimport numpy as np\nfrom std_msgs"
+
 COMPLEX = """
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float32
@@ -135,6 +137,29 @@ ANSWERS = Answers(
             ),
             1,
             "beginning with 0",
+        ),
+        Wrong("noise", changed(MILEAGE, ("if step <= 0.2", "if 0.01 <= step <= 0.2")), 1, "Add `math.dist`"),
+        Wrong(
+            "each_coordinate",
+            changed(
+                MILEAGE,
+                ("if step <= 0.2", "if self.before and max(map(abs, np.subtract(here, self.before))) <= 0.2"),
+                IMPORT,
+            ),
+            2,
+            "Leave out a step",
+        ),
+        Wrong(
+            "velocity",
+            changed(MILEAGE, ("math.dist(here, self.before) if", "abs(pose.linear_velocity) * 0.016 if")),
+            1,
+            "of the places of one pose",
+        ),
+        Wrong(
+            "backwards",
+            changed(MILEAGE, ("self.way += step", "self.way += math.copysign(step, pose.linear_velocity)")),
+            1,
+            "Add `math.dist`",
         ),
         Wrong(
             "twice",

@@ -130,6 +130,18 @@ ANSWERS = Answers(
             4,
             "a second came on /scan it said WARN",
         ),
+        Wrong(
+            "all_scans",
+            changed(MONITOR, ("0.8 * rate", '(1.0 if topic == "/scan" else 0.8) * rate')),
+            4,
+            "a second came on /scan it said WARN",
+        ),
+        Wrong(
+            "no_more_poses",
+            changed(MONITOR, ("if came >= 0.8 * rate", "if 75 >= came >= 0.8 * rate")),
+            4,
+            "a second came on /turtle1/pose it said WARN",
+        ),
         Wrong("wanted_rate", changed(MONITOR, ("value=str(float(came))", "value=str(rate)")), 4, "of the last second"),
         Wrong(
             "last_rate",

@@ -24,6 +24,20 @@ class SafeClient(Node):
             return None
 """
 
+KEEPS_SUMS = changed(
+    SAFE_CLIENT,
+    ('_two_ints")\n', '_two_ints")\n        self.sums = {}\n'),
+    ("        end = ", "        if (a, b) in self.sums:\n            return self.sums[a, b]\n        end = "),
+    ("            return wait_for", "            self.sums[a, b] = wait_for"),
+    (".sum\n", ".sum\n            return self.sums[a, b]\n"),
+)
+
+
+def first(line: str) -> str:
+    """The solution, with a line at the beginning of add()."""
+    return changed(SAFE_CLIENT, ("        end = ", f"        {line}\n        end = "))
+
+
 BY_EVENT = """
 import threading, time
 
@@ -242,7 +256,23 @@ ANSWERS = [
                 1,
                 "with a server that did not answer, and not None",
             ),
-            Wrong("by_number", BY_NUMBER, 1, "wait for the future"),
+            Wrong("by_number", BY_NUMBER, 0, "wait for the future"),
+            Wrong("timeout_by_heart", first("timeout = 0.7"), 1, "wait for the future"),
+            Wrong("timeout_at_most_1", first("timeout = min(timeout, 1.0)"), 1, "wait for the future"),
+            Wrong("whole_seconds", first("timeout = int(timeout)"), 1, "wait for the future"),
+            Wrong("keeps_sums", KEEPS_SUMS, 1, "with a server that did not answer, and not None"),
+            Wrong(
+                "gives_up",
+                changed(
+                    first("if self.client is None:\n            return None"),
+                    (
+                        "            return None\n        future",
+                        "            self.client = None\n            return\n        future",
+                    ),
+                ),
+                1,
+                "asks again",
+            ),
             Wrong(
                 "future",
                 changed(SAFE_CLIENT, ("wait_for(future, timeout=end - time.monotonic()).sum", "future")),

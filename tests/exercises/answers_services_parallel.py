@@ -155,6 +155,20 @@ ANSWERS = [
                 2,
                 "Give the service a ReentrantCallbackGroup",
             ),
+            Wrong(
+                "sleeps_once_for_several",
+                changed(
+                    PARALLEL,
+                    ("        group =", "        self.end = 0.0\n        group ="),
+                    (
+                        "        time.sleep(0.3)\n",
+                        "        if self.end < time.monotonic():\n            self.end = time.monotonic() + 0.3\n"
+                        "        time.sleep(max(0.0, self.end - time.monotonic()))\n",
+                    ),
+                ),
+                2,
+                "The quickest took 0.",
+            ),
             Wrong("ignores_b", changed(PARALLEL, ("request.a + request.b", "request.a + 10")), 2, "gave"),
             Wrong("too_slow", changed(PARALLEL, ("sleep(0.3)", "sleep(0.5)")), 2, "The quickest took 0.5"),
             Wrong(

@@ -214,6 +214,21 @@ ANSWERS = [
                 "It asked",
             ),
             Wrong(
+                "keeps_answers",
+                changed(
+                    ADD_THREE_TIMES,
+                    ("serve)\n", "serve)\n        self.kept = {}\n"),
+                    (
+                        "        once =",
+                        "        key = request.a, request.b\n        if key in self.kept:\n"
+                        "            return self.kept[key]\n        once =",
+                    ),
+                    ("        return response\n", "        self.kept[key] = response\n        return response\n"),
+                ),
+                2,
+                "for each request anew",
+            ),
+            Wrong(
                 "only_with_threads",
                 changed(
                     ADD_THREE_TIMES,

@@ -171,6 +171,7 @@ ANSWERS = [
             Wrong("half", changed(REPORT, ('"LOCALHOST"', "None")), 0, "one word in capitals"),
             Wrong("small", changed(REPORT, ('"LOCALHOST"', '"localhost"')), 0, "one word in capitals"),
             Wrong("elsewhere", ELSEWHERE, 0, "What a cell writes there later moves no node"),
+            Wrong("true", changed(REPORT, ('int(os.environ["ROS_DOMAIN_ID"])', "True")), 0, "You gave True."),
             Wrong("no_domain", changed(REPORT, ('int(os.environ["ROS_DOMAIN_ID"])', "None")), 0, "You gave None."),
         ],
         REPORTS,
@@ -185,11 +186,25 @@ ANSWERS = [
             Wrong("level", changed(GREETER, ("info(", "warning(")), 1, "the level is not INFO"),
             Wrong("node_name", changed(GREETER, ('__init__("greeter")', '__init__("hello")')), 0, "Running: /hello"),
             Wrong("not_run", changed(GREETER, ("greeter = run(Greeter)\n", "")), 0, "Start it with `run(Greeter"),
-            Wrong("text", changed(GREETER, ("Nice to meet you, Ada", "Hello, Ada")), 1, "It logged 'Hello, Ada'"),
+            Wrong(
+                "text",
+                changed(GREETER, ("Nice to meet you, Ada", "Hello, Ada")),
+                1,
+                "It logged 'Hello, Ada'. The line is",
+            ),
             Wrong("right_before", GREETER + SILENT, 1, "It logged nothing"),
             Wrong("no_f", changed(GREETER, ("you, Ada", "you, {name}")), 1, "not a placeholder"),
             Wrong(
                 "unset_name", changed(GREETER, ('"Nice to meet you, Ada"', 'f"Nice to meet you, {None}"')), 1, "None'"
+            ),
+            *(
+                Wrong(name, changed(GREETER, ("Nice to meet you, Ada", text)), 1, f"It logged '{text}'. The line is")
+                for name, text in {
+                    "no_comma": "Nice to meet you Ada",
+                    "small": "nice to meet you, Ada",
+                    "after_hello": "Hello! Nice to meet you, Ada",
+                    "in_brackets": "Nice to meet you, <Ada>",
+                }.items()
             ),
             Wrong("nobody", changed(GREETER, ("you, Ada", "you, ")), 1, "and then a name"),
             Wrong("another_says_it", OTHER_SAYS_IT, 1, "It logged nothing"),

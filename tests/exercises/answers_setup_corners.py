@@ -149,6 +149,16 @@ ANSWERS = Answers(
         Wrong("small_teleports", SMALL_TELEPORTS, 0, "do not teleport"),
         Wrong("teleports_beside_driving", TELEPORTS_BESIDE_DRIVING, 2, "do not teleport"),
         Wrong("not_driven", "stop()\nturtlesim = run(TurtleSim)\n", 0, "It saw no movement"),
+        Wrong(
+            "a_little",
+            changed(
+                TOUR,
+                ("[(10.0, 1.0), (10.0, 10.0), (1.0, 10.0), (1.0, 1.0)]", "[(6.5, 5.5)]"),
+                ("= 8.0 * max", "= 0.5 * max"),
+            ),
+            0,
+            "m of movement",
+        ),
         Wrong("run_again", TOUR + "\ntour = stop(tour)\nturtlesim = run(TurtleSim)\n", 0, "It saw no movement"),
         Wrong("false_poses", FALSE, 0, "no command on `/turtle1/cmd_vel`"),
         Wrong(

@@ -144,6 +144,15 @@ class Relay(Node):
             self.publisher.publish(self.kept.pop(0))
 """
 
+# Of COUNTDOWN: numbers by the time that has passed since it was made, so all at once for a late listener.
+CATCHES_UP = changed(
+    COUNTDOWN,
+    ("timer(0.2,", "timer(0.02,"),
+    ("self.left = 10", "self.left, self.ticks = 10, 0"),
+    ("    def tick(self):\n", "    def tick(self):\n        self.ticks += 1\n"),
+    ("count() == 0:", "count() == 0 or self.ticks < 10 * (10 - self.left):"),
+)
+
 LISTENS = "self.publisher.get_subscription_count() == 0"  # of COUNTDOWN: none does
 CALLBACK = "self.count += 1\n"  # of SCAN_COUNTER
 
@@ -223,6 +232,43 @@ ANSWERS = [
             Wrong(
                 "back_to_10", changed(FOR_EACH_LISTENER, (" and self.left < 0", "")), 1, "counts again for who comes"
             ),
+            Wrong(
+                "again_after_a_second",
+                changed(
+                    COUNTDOWN,
+                    ("self.left < 0", "self.left < -5"),
+                    ("self.timer.cancel()", "self.left = 10"),
+                    ("        self.publisher.p", "        if self.left >= 0:\n            self.publisher.p"),
+                ),
+                1,
+                "It goes on after 0",
+            ),
+            Wrong(
+                "zero_again_later",
+                changed(
+                    COUNTDOWN,
+                    ("self.left < 0", "self.left < -8"),
+                    (
+                        "        self.publisher.publish(Int32(data=self.left))",
+                        "        if self.left >= 0 or self.left == -6:\n"
+                        "            self.publisher.publish(Int32(data=max(0, self.left)))",
+                    ),
+                ),
+                1,
+                "It goes on after 0",
+            ),
+            Wrong("catches_up", CATCHES_UP, 1, "in one of two counts"),
+            Wrong(
+                "each_node_slower",
+                changed(
+                    COUNTDOWN,
+                    ("    def __init__", "    period = 0.2\n\n    def __init__"),
+                    ("timer(0.2,", "timer(self.period,"),
+                    ("self.left = 10", "self.left = 10\n        Countdown.period += 0.15"),
+                ),
+                1,
+                "in one of two counts",
+            ),
             Wrong("without_0", changed(COUNTDOWN, ("left < 0", "left < 1")), 1, "each once"),
         ],
         styles.COUNTDOWN,
@@ -277,6 +323,29 @@ ANSWERS = [
                 changed(SCAN_COUNTER, ("self.count += 1", "self.count += any(r < 100 for r in scan.ranges)")),
                 1,
                 "for each message",
+            ),
+            Wrong(
+                "anew_every_3_seconds",
+                changed(
+                    SCAN_COUNTER,
+                    ("self.count = 0", "self.count = 0\n        self.create_timer(3.0, self.begin)"),
+                    ("    def on_scan", "    def begin(self):\n        self.count = 0\n\n    def on_scan"),
+                ),
+                1,
+                "never begin anew",
+            ),
+            Wrong(
+                "not_the_same_ranges",
+                changed(
+                    SCAN_COUNTER,
+                    ("self.count = 0", "self.count, self.last = 0, None"),
+                    (
+                        "        self.count += 1",
+                        "        self.count += self.last != scan.ranges\n        self.last = scan.ranges",
+                    ),
+                ),
+                1,
+                "whatever is in it",
             ),
             Wrong("every_other", changed(SCAN_COUNTER, ("+= 1", "+= 0.5")), 1, "for each message"),
             Wrong(
@@ -342,6 +411,44 @@ ANSWERS = [
                 ),
                 1,
                 "not the time",
+            ),
+            Wrong(
+                "not_equal_ones",
+                changed(
+                    RELAY,
+                    ("self.count = 0", "self.count, self.last = 0, None"),
+                    (
+                        "        self.count += 1",
+                        "        if pose == self.last:\n            return\n        self.last = pose\n"
+                        "        self.count += 1",
+                    ),
+                ),
+                2,
+                "equal poses",
+            ),
+            Wrong(
+                "the_one_before",
+                changed(
+                    RELAY,
+                    ("publish(pose)", "publish(self.last)\n        self.last = pose"),
+                ),
+                2,
+                "before the next comes",
+            ),
+            Wrong(
+                "begins_with_the_11th",
+                changed(RELAY, ("count = 0", "count = 9"), ("% 10 == 0", "% 10 == 0 and self.count > 10")),
+                2,
+                "number 11",
+            ),
+            Wrong(
+                "begins_with_the_20th", changed(RELAY, ("% 10 == 0", "% 10 == 0 and self.count > 10")), 2, "number 20"
+            ),
+            Wrong(
+                "one_of_six_later",
+                changed(RELAY, ("self.count += 1", "self.count = self.count % 61 + 1")),
+                2,
+                "not 10 after it",
             ),
             Wrong("not_at_once", NOT_AT_ONCE, 2, "publish in the callback"),
             Wrong(

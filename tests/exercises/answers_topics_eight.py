@@ -136,7 +136,10 @@ WRONG = [
     Wrong("one_over_the_other", driving(LEFT, HALF_A_TURN, RIGHT), 4, "It lies over the first"),
     Wrong("rests_too_long", driving(LEFT, "[(0.0, 0.0)] * 90", RIGHT), 3, "After the first it turned by 0°"),
     Wrong("halves", driving("[(2.5, math.tau / 3)] * 30", RIGHT, "[(2.5, math.tau / 3)] * 30"), 2, "off a circle"),
-    Wrong("tiny", driving("[(0.2, math.tau / 3)] * 60", "[(0.2, -math.tau / 3)] * 60"), 2, "Their lengths are 0.6 m"),
+    Wrong("tiny", driving("[(0.2, math.tau / 3)] * 60", "[(0.2, -math.tau / 3)] * 60"), 4, "Their lengths are 0.6 m"),
+    Wrong("overlap", driving(LEFT, "[(0.0, 1.2)] * 20", RIGHT), 4, "It lies over the first"),
+    Wrong("three_circles", driving(LEFT, RIGHT, LEFT), 2, "more than one circle"),
+    Wrong("310_degrees", driving(f"({LEFT})[8:]", f"({RIGHT})[8:]"), 1, "before it turned the other way"),
     Wrong("one_command", driving("[(2.5, math.tau / 3)]"), 0, "a circle takes"),
 ]
 
@@ -160,7 +163,7 @@ class FigureEight(Node):
         self.publisher.publish(twist)
         self.ticks += 1
 """,
-    "slow_and_wide": """
+    "slow_and_wide_for_88_s": """
 class FigureEight(Node):
     def __init__(self):
         super().__init__("figure_eight")
@@ -173,11 +176,11 @@ class FigureEight(Node):
             return
         now = self.get_clock().now().nanoseconds * 1e-9
         self.began = self.began or now
-        circle = math.tau * 2.5 / 0.5
+        circle = 44.0
         twist = Twist()
         if now - self.began < 2 * circle:
-            twist.linear.x = 0.5
-            twist.angular.z = 0.2 if now - self.began < circle else -0.2
+            twist.angular.z = math.tau / circle if now - self.began < circle else -math.tau / circle
+            twist.linear.x = 2.5 * math.tau / circle
             self.publisher.publish(twist)
         else:
             self.publisher.publish(Twist())

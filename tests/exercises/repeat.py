@@ -1,6 +1,6 @@
 """Every answer of a chapter checked many times beside busy processes; counts the wrong verdicts.
 
-.venv/bin/python -m tests.exercises.repeat services --times 20 --busy 2 [--only services-4]
+.venv/bin/python -m tests.exercises.repeat services --times 20 --busy 2 [--only services-4 actions-1-forgets_cancel]
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterator
 
 from course_kit.exercises import CHAPTERS
 from tests.domains import use_own_domain
-from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, judge
+from tests.exercises.chapter import Chapter, answers_to, chapter, judge
 
 # Until this process ends, however it does.
 BUSY = "import os\nparent = os.getppid()\nwhile os.getppid() == parent: pass"
@@ -25,13 +26,12 @@ def main() -> int:
     parser.add_argument("chapter", choices=CHAPTERS)
     parser.add_argument("--times", type=int, default=20)
     parser.add_argument("--busy", type=int, default=2, help="processes that keep a core busy each")
-    parser.add_argument("--only", default="", help="exercises whose names begin so")
+    parser.add_argument("--only", nargs="+", default=[""], help="EXERCISE or EXERCISE-ANSWER, as they begin")
     parser.add_argument("--reference", action="store_true", help="the right answers only")
     chosen = parser.parse_args()
     use_own_domain()
-    answers = [one for one in answers_to(chosen.chapter).ANSWERS if one.exercise.startswith(chosen.only)]
     with chapter(chosen.chapter) as notebook, _busy(chosen.busy):
-        wrong, count = _repeat(notebook, answers, chosen.times, chosen.reference)
+        wrong, count = _repeat(notebook, list(_chosen(chosen)), chosen.times)
     print(f"{count} checks, {sum(wrong.values())} wrong verdicts {dict(wrong)}")
     return bool(wrong)
 
@@ -47,28 +47,33 @@ def _busy(count: int):
             process.wait()
 
 
-def _repeat(notebook: Chapter, answers: list[Answers], times: int, only_reference: bool) -> tuple[Counter[str], int]:
+def _chosen(chosen: argparse.Namespace) -> Iterator[tuple[str, str, str, int, int, str]]:
+    """An answer's name, its exercise, its source, its points, all points, and a part of its hint."""
+    for one in answers_to(chosen.chapter).ANSWERS:
+        wrong = [] if chosen.reference else [(w.name, w.source, w.points, w.hint) for w in one.wrong]
+        rights = {"reference": one.reference, **({} if chosen.reference else one.right)}
+        for name, source, points, hint in [*wrong, *((name, right, one.points, "") for name, right in rights.items())]:
+            if f"{one.exercise}-{name}".startswith(tuple(chosen.only)):
+                yield f"{one.exercise}-{name}", one.exercise, source, points, one.points, hint
+
+
+def _repeat(notebook: Chapter, answers: list[tuple], times: int) -> tuple[Counter[str], int]:
     wrong: Counter[str] = Counter()
-    count = 0
     for turn in range(times):
         began = time.monotonic()
         took: dict[str, float] = {}
-        for one in answers:
-            sources = [] if only_reference else [(w.name, w.source, w.points, w.hint) for w in one.wrong]
-            rights = [("reference", one.reference), *([] if only_reference else one.right.items())]
-            for name, source, points, hint in [*sources, *((name, right, one.points, "") for name, right in rights)]:
-                count += 1
-                start = time.monotonic()
-                try:
-                    judge(notebook.answer(one.exercise, source), points, one.points, hint)
-                except AssertionError as error:
-                    wrong[f"{one.exercise}-{name}"] += 1
-                    print(f"{one.exercise}-{name}: {error}", flush=True)
-                took[f"{one.exercise}-{name}"] = time.monotonic() - start
+        for name, exercise, source, points, all_points, hint in answers:
+            start = time.monotonic()
+            try:
+                judge(notebook.answer(exercise, source), points, all_points, hint)
+            except AssertionError as error:
+                wrong[name] += 1
+                print(f"{name}: {error}", flush=True)
+            took[name] = time.monotonic() - start
         slowest = sorted(took, key=lambda name: took[name])[-3:]
         shown = ", ".join(f"{name} {took[name]:.0f} s" for name in slowest)
         print(f"turn {turn + 1}: {time.monotonic() - began:.0f} s; the slowest: {shown}", flush=True)
-    return wrong, count
+    return wrong, times * len(answers)
 
 
 if __name__ == "__main__":

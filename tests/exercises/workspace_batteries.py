@@ -157,6 +157,44 @@ ANSWERS = [
                 3,
                 "What is accepted is set",
             ),
+            Wrong(
+                "stops_after_recharge",
+                changed(
+                    CHARGER,
+                    ("= request.percentage\n", "= request.percentage\n            self.step = 0.0\n"),
+                    ("percentage -= 0.5", 'percentage -= getattr(self, "step", 0.5)'),
+                ),
+                3,
+                "in steps as before",
+            ),
+            Wrong(
+                "big_step_after",
+                changed(
+                    CHARGER,
+                    ("= request.percentage\n", "= request.percentage\n            self.step = 9.0\n"),
+                    ("percentage -= 0.5", 'percentage -= getattr(self, "step", 0.5)'),
+                ),
+                3,
+                "in steps as before",
+            ),
+            Wrong(
+                "truncates",
+                changed(CHARGER, ("= request.percentage\n", "= float(int(request.percentage))\n")),
+                3,
+                "What is accepted is set",
+            ),
+            Wrong(
+                "publishes_at_recharge",
+                changed(
+                    CHARGER,
+                    (
+                        "        return response",
+                        "        self.publisher.publish(self.battery)\n        return response",
+                    ),
+                ),
+                3,
+                "only the timer publishes",
+            ),
             Wrong("too_often", changed(CHARGER, ("create_timer(1.0", "create_timer(0.5")), 3, "2.00 times a second"),
         ],
         {"capacitor": CAPACITOR, "by_the_clock": BY_THE_CLOCK},

@@ -52,6 +52,15 @@ for path in (install / "lib/greeter/greet", false / "ros2"):
 with open(ws.install / "setup.bash", "a") as script:
     script.write(f"export PATH={{false}}:$PATH\\n")
 """
+SAYS_TWICE = changed(
+    GREETER,
+    (
+        'build("greeter")',
+        'source = ws.src / "greeter/greeter/greet.py"\n'
+        'source.write_text(source.read_text().replace("    print(", "    print(1)\\n    print("))\n'
+        'build("greeter")',
+    ),
+)
 SHELL_SCRIPT = f"""{GREETER}
 (ws.install / "greeter/lib/greeter/greet").write_text("#!/bin/sh\\necho Hi from greeter.\\n")
 """
@@ -109,6 +118,23 @@ PLAIN_SPIN = changed(
     LOUD_PY,
     ("from my_first_pkg.spin import spin", "import rclpy"),
     ("    spin(Loud)", "    rclpy.init()\n    rclpy.spin(Loud())\n    rclpy.shutdown()"),
+)
+SKIPS_REPEATS = changed(
+    LOUD_PY,
+    (
+        "        mark =",
+        '        if message.data == getattr(self, "last", None):\n            return\n'
+        "        self.last = message.data\n        mark =",
+    ),
+)
+# The command line does not get in.
+NO_ARGUMENTS = changed(
+    PLAIN_SPIN,
+    ("    rclpy.init()\n    rclpy.spin(Loud())", "    rclpy.init(args=[])\n    try:\n        rclpy.spin(Loud())"),
+    (
+        "    rclpy.shutdown()",
+        "    except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):\n        pass",
+    ),
 )
 SAYS_BOTH = changed(LOUD_PY, ("        mark =", "        self.publisher.publish(message)\n        mark ="))
 MARK_IN_CAPITALS = changed(LOUD_PY, ("message.data.upper() + mark", "(message.data + mark).upper()"))
@@ -224,6 +250,7 @@ ANSWERS = [
             ),
             Wrong("by_hand", BY_HAND, 0, "was not built from `src`"),
             Wrong("shell_script", SHELL_SCRIPT, 1, "no program that setuptools makes of an entry point"),
+            Wrong("says_twice", SAYS_TWICE, 1, "in one line"),
             Wrong("edited_installed", EDITED_INSTALLED, 1, "what is installed was changed by hand"),
         ],
         {"in_place": IN_PLACE, "merged": MERGED, "other_module": OTHER_MODULE},
@@ -239,7 +266,20 @@ ANSWERS = [
             Wrong(
                 "not_declared", loud(changed(LOUD_PY, ('        self.declare_parameter("mark", "!")\n', ""))), 0, "mark"
             ),
-            Wrong("not_upper", loud(changed(LOUD_PY, (".upper()", ".title()"))), 0, "Publish `message.data.upper()`"),
+            Wrong("not_upper", loud(changed(LOUD_PY, (".upper()", ".title()"))), 0, "the words are not: `message"),
+            Wrong("strip", loud(changed(LOUD_PY, (".upper()", ".strip().upper()"))), 2, "whatever is in it"),
+            Wrong(
+                "skips_empty",
+                loud(
+                    changed(
+                        LOUD_PY, ("        mark =", "        if not message.data:\n            return\n        mark =")
+                    )
+                ),
+                2,
+                "whatever is in it",
+            ),
+            Wrong("skips_repeats", loud(SKIPS_REPEATS), 2, "or the same again"),
+            Wrong("no_arguments", loud(NO_ARGUMENTS), 2, "Declare the parameter, and give `args`"),
             Wrong("plain_spin", loud(PLAIN_SPIN), 2, "Ctrl-C ended it with status"),
             Wrong("says_both", loud(SAYS_BOTH), 0, "once for each message"),
             Wrong("mark_in_capitals", loud(MARK_IN_CAPITALS), 1, "the mark as it is"),

@@ -1,0 +1,203 @@
+"""Chapter 3's relay: what it asks of the messages of two topics, and how it is checked."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from itertools import pairwise
+
+from rclpy.publisher import Publisher
+from turtlesim.msg import Pose
+
+from course_kit.examining.exercise import exercise
+from course_kit.examining.vocabulary import answer, chance, expect, nobody_else, pause
+from course_kit.examining.vocabulary_topics import (
+    expect_compatible_subscription,
+    expect_subscription,
+    expect_topic,
+    is_published,
+    listen,
+    publisher,
+)
+from course_kit.turtlesim.field import float32
+
+POSE_RATE = 62.5  # Hz, a turtle's
+LATE = 0.1  # seconds from a pose to its relay, of half of them at most
+BEFORE_THE_NEXT = 0.25  # of the relays at the lower rate; on a busy machine not all
+FIELDS = ("x", "y", "theta", "linear_velocity", "angular_velocity")
+EQUAL = 30  # poses of a turtle that stands
+ROUNDS = 3
+Timed = list[tuple[int, Pose]]  # when poses were sent or came (nanoseconds), and the poses
+
+
+@dataclass(frozen=True)
+class Relayed:
+    """What was sent to a new node, and what came of it."""
+
+    sent: Timed  # no two the same
+    fast: int  # how many of them came at a turtle's rate; the others more slowly
+    standing: Timed  # sent after them: one pose again and again
+    came: Timed
+
+    @property
+    def all_sent(self) -> list[Pose]:
+        """Every pose that was sent."""
+        return [pose for _, pose in self.sent + self.standing]
+
+    @property
+    def numbers(self) -> list[int | None]:
+        """Which of the poses that were sent came: by one of x, y and theta, as something else may have been changed.
+
+        A pose of the turtle that stands has the number that follows those of the others.
+        """
+        numbered = list(enumerate([*self.sent, self.standing[0]]))
+        places = {field: {getattr(pose, field): n for n, (_, pose) in numbered} for field in ("x", "y", "theta")}
+        found = [[places[field].get(getattr(pose, field)) for field in places] for _, pose in self.came]
+        return [next((number for number in numbers if number is not None), None) for numbers in found]
+
+    @property
+    def arrivals(self) -> list[tuple[int, int]]:
+        """The numbers of those that came of the poses that are not the same, and when."""
+        pairs = zip(self.numbers, self.came, strict=True)
+        return [(n, when) for n, (when, _) in pairs if n is not None and n < len(self.sent)]
+
+    @property
+    def moving(self) -> list[int]:
+        """These numbers alone."""
+        return [number for number, _ in self.arrivals]
+
+    @property
+    def steps(self) -> list[int]:
+        """How many poses after the one before each of those is."""
+        return [after - before for before, after in pairwise(self.moving)]
+
+    @property
+    def equal(self) -> int:
+        """How many poses of the turtle that stands came."""
+        return self.numbers.count(len(self.sent))
+
+    @property
+    def delays(self) -> list[float]:
+        """Seconds from the sending of a pose to its coming, shortest first."""
+        return sorted((when - self.sent[n][0]) * 1e-9 for n, when in self.arrivals)
+
+    def is_every_tenth(self, lost: int = 0) -> bool:
+        """One after nine, but for so many times that a short queue has lost some: then the next comes later."""
+        moving, steps = self.moving, self.steps
+        if not steps or min(steps) < 10 or abs(self.equal - EQUAL / 10) > 1:
+            return False
+        return steps.count(10) >= len(steps) - lost and moving[0] < 10 and moving[-1] >= len(self.sent) - 12
+
+    @property
+    def is_at_once(self) -> bool:
+        """Whether poses came soon, and at the lower rate, where there is time for it, before the next was sent."""
+        sent = [when for when, _ in self.sent + self.standing]
+        slow = [when < sent[n + 1] for n, when in self.arrivals if n >= self.fast]
+        return self.usual_delay < LATE and sum(slow) >= BEFORE_THE_NEXT * len(slow)
+
+    @property
+    def usual_delay(self) -> float:
+        """Half of the poses came in so many seconds at most; 0 if none is known."""
+        return self.delays[len(self.delays) // 2] if self.delays else 0.0
+
+    @property
+    def may_be_disturbed(self) -> bool:
+        """Whether a busy machine can have caused what is wrong: poses were lost, or came late, but none too early."""
+        is_right = self.is_every_tenth() and self.is_at_once
+        return not is_right and bool(self.came) and min(self.steps, default=0) >= 10 and self.equal <= EQUAL / 10 + 1
+
+
+@exercise("topics-3", "A relay", points=3, level="medium", timeout=40, node_class="Relay")
+def relay() -> None:
+    """Of the poses on /turtle1/pose it publishes every tenth, unchanged, on /turtle1/pose_slow, whatever their rate."""
+    nobody_else("rt/turtle1/pose", "rt/turtle1/pose_slow")
+    turtle = publisher("/turtle1/pose", Pose)
+    relayed = _relayed(turtle)
+    lost = 0
+    for turn in range(1, ROUNDS):
+        if not relayed.may_be_disturbed:
+            break
+        relayed = _relayed(turtle)
+        lost = turn // (ROUNDS - 1)  # once, where some were lost in each round; a wrong pattern shows more often
+    expect(
+        "what it publishes are poses that it got, unchanged",
+        relayed.came and all(pose in relayed.all_sent for _, pose in relayed.came),
+        _why_not_got(relayed),
+        needed=not relayed.came,
+    )
+    expect("it is every tenth pose, whatever their rate", relayed.is_every_tenth(lost), _why_not_tenth(relayed))
+    sent, came = len(relayed.all_sent), len(relayed.came)
+    expect(
+        "a tenth of their rate comes out, each at once",
+        abs(came - sent / 10) <= 2 + 0.1 * sent / 10 and relayed.is_at_once,
+        f"Of {sent} poses {came} came, {relayed.usual_delay:.2f} s after they were sent: publish the tenth pose in its "
+        f"own callback, before the next comes. A tenth of 62.5 Hz is 6.25 Hz: `%ros2 topic hz /turtle1/pose_slow` "
+        f"measures it.",
+    )
+
+
+def _relayed(turtle: Publisher) -> Relayed:
+    """What a new node makes of poses at the rate of a turtle, some at a lower one, and those of one that stands."""
+    answer(threads=None)
+    expect_subscription("/turtle1/pose", Pose)
+    expect_compatible_subscription("/turtle1/pose", turtle)
+    if not is_published("/turtle1/pose_slow"):  # it may make its publisher when the first poses come
+        _send(turtle, POSE_RATE, _some_poses(20))
+    expect_topic("/turtle1/pose_slow", Pose)
+    slow = listen("/turtle1/pose_slow", Pose)
+    pause(0.3)
+    before = len(slow)
+    fast = _send(turtle, POSE_RATE, _some_poses(chance().randint(95, 120)))
+    slower = _send(turtle, chance().uniform(16, 25), _some_poses(chance().randint(42, 58)))
+    standing = _send(turtle, POSE_RATE, _some_poses(1) * EQUAL)
+    pause(0.4)
+    return Relayed(fast + slower, len(fast), standing, slow.arrivals[before:])
+
+
+def _send(turtle: Publisher, hz: float, poses: list[Pose]) -> Timed:
+    """Send poses, never two sooner after one another than their rate says: a queue of 1 is enough for them."""
+    sent: Timed = []
+    for pose in poses:
+        sent.append((time.time_ns(), pose))
+        turtle.publish(pose)
+        pause(1 / hz)
+    return sent
+
+
+def _some_poses(count: int) -> list[Pose]:
+    """Like a turtle's, which may stand; no two the same."""
+
+    def speed() -> float:
+        return chance().choice((0.0, chance().uniform(-3.0, 3.0)))
+
+    fields = [
+        (chance().uniform(0, 11), chance().uniform(0, 11), chance().uniform(-math.pi, math.pi), speed(), speed())
+        for _ in range(count)
+    ]
+    return [Pose(**dict(zip(FIELDS, map(float32, values), strict=True))) for values in fields]
+
+
+def _why_not_got(relayed: Relayed) -> str:
+    if not relayed.came:
+        return "Nothing came on `/turtle1/pose_slow`."
+    hint = "Publish the message that the callback was given."
+    poses = [*(pose for _, pose in relayed.sent), relayed.standing[0][1]]
+    for number, (_, pose) in zip(relayed.numbers, relayed.came, strict=True):
+        changed = [] if number is None else [f for f in FIELDS if getattr(pose, f) != getattr(poses[number], f)]
+        if changed:
+            return f"{', '.join(changed)} of a pose came out otherwise than it went in. {hint}"
+    return f"What came out are no poses that went in. {hint}"
+
+
+def _why_not_tenth(relayed: Relayed) -> str:
+    sent, steps, moving = relayed.sent, relayed.steps, relayed.moving
+    if steps and set(steps) == {10} and moving[0] >= 10:
+        return f"The first that came was number {moving[0] + 1}: begin with one of the first ten."
+    if abs(relayed.equal - EQUAL / 10) > 1 and set(steps) == {10}:
+        return f"Of {EQUAL} equal poses {relayed.equal} came: count each message, also one that says the same again."
+    return (
+        f"Of {len(sent)} poses {len(moving)} came, most of them {sorted(steps)[len(steps) // 2] if steps else 0} after "
+        f"the one before, {len(steps) - steps.count(10)} not 10 after it: count the calls of the callback, not the "
+        f"time, and publish when the count divides by 10."
+    )
