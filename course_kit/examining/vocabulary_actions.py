@@ -200,12 +200,16 @@ class FibonacciServer:
 
     async def _execute(self, goal: Any) -> Fibonacci.Result:
         self.orders.append(goal.request.order)
+        ended = self.ended
         until = time.monotonic() + ARRIVAL
         while not self._node.count_subscribers("/fibonacci/_action/feedback") and time.monotonic() < until:
             await self._sleep(LOOK)  # what is sent before the client is found is lost to it, and it could not count
         sequence = [0, 1]
         while len(sequence) <= goal.request.order:
             await self._pause()
+            if self.ended is not ended:  # it was begun anew: this goal is another node's
+                goal.abort()
+                return Fibonacci.Result()
             if goal.is_cancel_requested:
                 goal.canceled()
                 self.ended.append("canceled")

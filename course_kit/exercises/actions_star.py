@@ -27,7 +27,8 @@ COASTED = 1.5  # metres that the turtle may go on before it begins a star in the
 CARRIED = 0.3  # metres without a velocity: those of teleports
 TOLD = 1.5  # feedbacks a second, where the text says two
 STAR_TIMEOUT, HOME_TIMEOUT, ABORT_TIMEOUT = 42.0, 21.0, 1.5  # seconds, where the text says 40, 20 and 1
-BEGINS = 1_000_000_000  # nanoseconds from the end of a goal to where the one that has pre-empted it begins
+NOTICED = 300_000_000  # nanoseconds from the end of a goal to where the one that has pre-empted it begins
+BEGINS = 1_300_000_000  # the same where the turtle stands, or obeys its last command, until then
 STOP_TIMEOUT = 1.3  # seconds: a turtle obeys its last command for one
 
 
@@ -38,7 +39,7 @@ class Star:
     side: float
     goal: Goal
     begun: int  # the number of the pose with which it was sent
-    began_by: int = 0  # until when it may have begun (nanoseconds since the epoch), while the turtle was on its way
+    other_ended: int = 0  # when the star that it pre-empted was aborted (nanoseconds since the epoch)
     arrivals: list[tuple[int, Any]] = field(default_factory=list)  # when each pose came, and the pose
 
     @property
@@ -67,11 +68,21 @@ class Star:
         return paths.star_missed_by(self.poses, (self.poses[-1].x, self.poses[-1].y), self.side)
 
     @property
+    def beginnings(self) -> list[Any]:
+        """Where it may have begun: where it was sent, or anywhere from there until it drove the turtle itself."""
+        places = [self.poses[0]]
+        for when, pose in self.arrivals[1:]:
+            is_commanded = _velocities(pose) != _velocities(places[-1])
+            if when > self.other_ended + (NOTICED if is_commanded else BEGINS):
+                break
+            places.append(pose)
+        return places
+
+    @property
     def gap(self) -> float:
         """Metres from where it ended to where it began, or to the nearest place where it may have begun."""
-        places = [pose for when, pose in self.arrivals[1:] if when <= self.began_by]
         end = self.poses[-1]
-        return min(math.dist((pose.x, pose.y), (end.x, end.y)) for pose in [self.poses[0], *places])
+        return min(math.dist((pose.x, pose.y), (end.x, end.y)) for pose in self.beginnings)
 
     @property
     def wrong_feedback(self) -> float:
@@ -81,6 +92,10 @@ class Star:
         told = self.goal.told
         errors = [abs(behind[-1] - np.interp(when, times, behind) - said.distance_left) for when, said in told]
         return float(statistics.median(errors)) if errors else math.inf
+
+
+def _velocities(pose: Any) -> tuple[float, float]:
+    return pose.linear_velocity, pose.angular_velocity
 
 
 class Trip:
@@ -168,7 +183,7 @@ def _one_after_another(trip: Trip, client: Client, *sides: float) -> list[Star]:
     trip.drive(first, chance().uniform(0.8, 1.15), timeout=20.0)
     second = trip.send(client, sides[1])
     first.goal.wait(ABORT_TIMEOUT)
-    second.began_by = (first.goal.settled or 0) + BEGINS
+    second.other_ended = first.goal.settled or 0
     return [first, second]
 
 
@@ -181,7 +196,7 @@ def _cancelled(trip: Trip, client: Client) -> Star:
             one.goal.cancel(HOME_TIMEOUT)
         trip.put_elsewhere(SMALL[1])
         star = trip.send(client, chance().uniform(*SMALL))
-    trip.drive(star, chance().uniform(0.5, 2.2), timeout=25.0)
+    trip.drive(star, chance().uniform(1.2, 2.1), timeout=25.0)  # away from where it may have begun
     star.goal.cancel(HOME_TIMEOUT)
     trip.end(star)
     return star

@@ -195,7 +195,12 @@ def _why_not_whole(circle: circles.Circle, so: str) -> str:
 
 
 def _why_not_the_second(first: circles.Circle, second: circles.Circle) -> str:
-    if second.error >= ROUND or abs(second.turned) > 1.5 * math.tau:
+    if _is_whole(first) and not _is_whole(second) and second.length > 1.5 * first.length:
+        return (
+            f"After a circle of {first.length:.1f} m it drove {second.length:.1f} m, which is more than one circle: "
+            f"two circles make the figure, one to each side."
+        )
+    if second.error >= ROUND:
         return _why_not_whole(second, "After the first it turned by")
     if _is_whole(second) and first.turned * second.turned < 0:
         return (

@@ -152,7 +152,7 @@ def _why_wrong(phrases: Sequence[str], mark: str, heard: Sequence[str]) -> str:
     if mark in START_MARKS and heard == _louder(phrases, "!"):
         return "Declare the parameter, and give `args` to rclpy.init or leave them out."
     if not mark and heard == _louder(phrases, "!"):
-        return "An empty text is a mark too; for `or` it is none."
+        return "An empty text is a mark too, for `or` it is none. Read the parameter each time that you need it."
     ends = [
         text.endswith(mark) if mark else text.lower().endswith(p[-1:].lower())
         for p, text in zip(phrases, heard, strict=True)

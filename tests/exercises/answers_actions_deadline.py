@@ -191,7 +191,7 @@ ANSWERS = Answers(
                 DEADLINE,
                 ("self.execute,\n", "self.execute,\ngoal_callback=lambda goal: list(GoalResponse)[goal.order < 30],\n"),
             ),
-            0,
+            1,
             "is rejected",
         ),
         Wrong(

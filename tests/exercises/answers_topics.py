@@ -262,7 +262,7 @@ ANSWERS = [
                 "each_node_slower",
                 changed(
                     COUNTDOWN,
-                    ("    def __init__", "    period = 0.2\n\n    def __init__"),
+                    ("    def __init__", "    period = 0.05\n\n    def __init__"),
                     ("timer(0.2,", "timer(self.period,"),
                     ("self.left = 10", "self.left = 10\n        Countdown.period += 0.15"),
                 ),
@@ -450,7 +450,7 @@ ANSWERS = [
                 2,
                 "not 10 after it",
             ),
-            Wrong("not_at_once", NOT_AT_ONCE, 2, "publish in the callback"),
+            Wrong("not_at_once", NOT_AT_ONCE, 2, "publish the tenth pose in its own callback"),
             Wrong(
                 "only_while_it_moves",
                 changed(
