@@ -20,9 +20,11 @@ from course_kit.examining.introduction import meet
 from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import arrival_timeout, expect, expect_type, nearest, pause, require, wait
 from course_kit.recordings.measure import measure
+from course_kit.turtlesim.turtle import TICK
 from course_kit.watching import topics
 
 MATCH_TIMEOUT = 3.0
+LATEST_TICK = 3 * TICK
 
 
 def expect_topic(topic: str, message_type: Any) -> None:
@@ -155,6 +157,11 @@ def hear_the_turtle() -> Heard:
     heard = current().stage.listen("/turtle1/pose", Pose, own=True)
     wait(lambda: len(heard), MATCH_TIMEOUT, "the turtle's pose")
     return heard
+
+
+def ticked_late(driven: Heard, since: int) -> bool:
+    """Whether ticks of the simulator came late or not at all since a pose of that number, as on a busy machine."""
+    return any(after - before > LATEST_TICK * 1e9 for before, after in pairwise(driven.times[since:]))
 
 
 def wait_until_quiet(heard: Heard, quiet: float, timeout: float, at_most: int = 1_000_000) -> None:

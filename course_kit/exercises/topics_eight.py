@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from itertools import pairwise
 
 from geometry_msgs.msg import Twist
 from turtlesim.msg import Pose
@@ -24,7 +23,7 @@ from course_kit.examining.vocabulary import (
     time_left,
     wait,
 )
-from course_kit.examining.vocabulary_topics import expect_topic, hear_the_turtle
+from course_kit.examining.vocabulary_topics import expect_topic, hear_the_turtle, ticked_late
 from course_kit.turtlesim.field import MIDDLE
 from course_kit.turtlesim.node import TurtleSim
 from course_kit.turtlesim.turtle import TICK
@@ -39,7 +38,6 @@ TURNED = 6 * math.tau  # radians, three times those of two circles, after which 
 WHOLE = 0.1  # of a turn that may be missing or too much
 ROUND = 0.1  # of the radius
 ALIKE = 0.85  # the smaller circle's length as a part of the larger one's, at least
-LATEST_TICK = 3 * TICK
 CLOSED = 0.3  # metres
 AROUND = 1.0  # metres around a circle, at least
 BESIDE = 0.12  # of their width, by which the middles of two circles may be nearer or farther
@@ -54,7 +52,7 @@ class Figure:
     second: circles.Circle
     missing: float  # metres from its end to its beginning
     length: float  # metres
-    was_disturbed: bool  # ticks of the simulator came late or not at all, as on a busy machine
+    was_disturbed: bool
 
     @property
     def goes_on_beside(self) -> bool:
@@ -124,8 +122,7 @@ def _drive(turtlesim: TurtleSim, driven: Heard) -> Figure:
         not circles.has_jump(poses),
         "It came farther than its velocity brought it: drive it by `/turtle1/cmd_vel` alone, to its end.",
     )
-    late = any(after - earlier > LATEST_TICK * 1e9 for earlier, after in pairwise(driven.times[before:]))
-    return Figure(*circles.two_circles(poses), paths.gap(poses), paths.length(poses), late)
+    return Figure(*circles.two_circles(poses), paths.gap(poses), paths.length(poses), ticked_late(driven, before))
 
 
 def _drive_until_it_stands(turtlesim: TurtleSim, driven: Heard, before: int) -> list[Pose]:

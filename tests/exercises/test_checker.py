@@ -14,7 +14,8 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from tests.exercises.answers_services import LAMP
-from tests.exercises.answers_topics import COUNTDOWN, changed
+from tests.exercises.answers_topics_countdown import COUNTDOWN
+from tests.exercises.chapter import changed
 from tests.kernel import Kernel
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tests.exercises.answers_topics import changed
-from tests.exercises.chapter import Answers, Wrong
+from tests.exercises.chapter import Answers, Wrong, changed
 
 BATTERY = "float32 EMPTY_VOLTAGE=11.0\nfloat32 voltage\nfloat32 percentage  # 0 to 100\nbool charging\n"
 RECHARGE = "float32 percentage\n---\nbool accepted\nstring reason\n"

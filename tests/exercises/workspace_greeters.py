@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from tests.exercises.answers_topics import changed
-from tests.exercises.chapter import Answers, Wrong
+from tests.exercises.chapter import Answers, Wrong, changed
 
 PYTHON = '"--build-type", "ament_python", "--node-name", "greet"'
 
