@@ -49,6 +49,11 @@ def test_a_nodes_log_lines_appear_under_the_cell_that_runs_it(kernel):
     kernel.until(lambda: kernel.shown(started).startswith("■ /talker stopped"))
 
 
+def test_who_logs_a_line_is_found_without_a_search_through_all_modules(kernel):
+    kernel.run("import inspect\ndef caller():\n    return inspect.getmodule(inspect.currentframe().f_back)")
+    assert kernel.text(kernel.run("print(caller().__name__)")) == "__main__\n"
+
+
 def test_an_exception_in_a_callback_appears_under_the_cell_that_runs_the_node(kernel):
     started = kernel.run(
         "class Faulty(Talker):\n    def tick(self):\n        raise ValueError('no battery')\n"

@@ -16,7 +16,7 @@ from turtlesim.srv import TeleportAbsolute
 from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
 from course_kit.examining.node_log import Line
-from course_kit.examining.vocabulary import chance, expect, require, wait
+from course_kit.examining.vocabulary import chance, expect, pause, require, wait
 from course_kit.examining.vocabulary_services import Client
 from course_kit.examining.vocabulary_student import expect_running_node, lines_of
 
@@ -31,6 +31,8 @@ TRIES = 4  # of which one must show all: a busy machine may lose some
 LATE = 0.1  # seconds that a busy node may be behind
 AHEAD = 60  # lines among which a pose's is looked for: what else is logged stands between
 QUIET = 0.4  # seconds without a line of DEBUG
+LOOK = 0.05  # seconds from one look at all lines to the next
+ASKED = 4  # times that its level is to be set: a busy machine may not answer in time
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.(\d*))?(?:e[-+]?\d+)?")
 
 Poses = list[tuple[int, float]]  # when each came (nanoseconds), and its x
@@ -60,7 +62,7 @@ def not_so_loud() -> None:
             infos = infos or (_fault_of_infos(turtle, "At the level DEBUG: ", began) if is_set else "")
         finally:
             is_set = is_set and _set_level(INFO)
-        falls_silent = wait(_is_quiet, 3.0)
+        falls_silent = wait(_is_quiet, 3.0, poll=LOOK)
     finally:
         turtle.go_home()
     expect("it logs `x = …` as INFO, once a second at most", not infos, infos)
@@ -127,8 +129,8 @@ def _fault_of_infos(turtle: _Turtle, when: str, began: int = 0) -> str:
     if not began:
         began = time.time_ns()
         turtle.jump()
-        wait(lambda: time.time_ns() - began > LISTENED * 1e9, LISTENED_LONGEST)
-    wait(lambda: _told(began), LISTENED_LONGEST - (time.time_ns() - began) * 1e-9)
+        pause(LISTENED)
+    wait(lambda: _told(began), LISTENED_LONGEST - (time.time_ns() - began) * 1e-9, poll=LOOK)
     told, seconds = _told(began), (time.time_ns() - began) * 1e-9
     others = [line for line in _lines_since(began, INFO) if line not in told]
     wrong = [line for line in told if not any(_shows(line.message.msg[4:], x) for x in turtle.xs(*_about(line)))]
@@ -158,9 +160,9 @@ def _lost_details(turtle: _Turtle, tries: int) -> str:
     for _ in range(tries):
         began = time.time_ns()
         turtle.jump()
-        wait(lambda: len(turtle.xs(began)) >= MANY, 3.0)  # noqa: B023  (it ends before the loop goes on)
+        wait(lambda: len(turtle.xs(began)) >= MANY, 3.0, poll=LOOK)  # noqa: B023  (it ends before the loop goes on)
         poses, until = turtle.poses(began), time.time() + LATE
-        if wait(lambda: _has_all(poses, _followed(poses, _details(began, until))), 1.0):  # noqa: B023
+        if wait(lambda: _has_all(poses, _followed(poses, _details(began, until))), 1.0, poll=LOOK):  # noqa: B023
             return ""
     seen = _details(began, until)
     return (
@@ -235,7 +237,7 @@ def _such_as(lines: Sequence[Line]) -> str:
 
 def _set_level(level: int) -> bool:
     client = Client(SET_LEVELS, SetLoggerLevels, current().student)
-    for _ in range(2):  # a busy machine may not answer in time
+    for _ in range(ASKED):
         response = client.ask(levels=[LoggerLevel(name="quiet", level=level)]).response
         if response is not None:
             return all(result.successful for result in response.results)

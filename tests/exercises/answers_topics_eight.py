@@ -138,7 +138,7 @@ WRONG = [
     Wrong("halves", driving("[(2.5, math.tau / 3)] * 30", RIGHT, "[(2.5, math.tau / 3)] * 30"), 2, "off a circle"),
     Wrong("tiny", driving("[(0.2, math.tau / 3)] * 60", "[(0.2, -math.tau / 3)] * 60"), 4, "Their lengths are 0.6 m"),
     Wrong("overlap", driving(LEFT, "[(0.0, 1.2)] * 20", RIGHT), 4, "It lies over the first"),
-    Wrong("three_circles", driving(LEFT, RIGHT, LEFT), 3, "more than one circle"),
+    Wrong("three_circles", driving(LEFT, RIGHT, f"({LEFT})[8:]"), 1, "more than one circle"),
     Wrong("310_degrees", driving(f"({LEFT})[8:]", f"({RIGHT})[8:]"), 1, "before it turned the other way"),
     Wrong("one_command", driving("[(2.5, math.tau / 3)]"), 0, "a circle takes"),
 ]
