@@ -29,6 +29,7 @@ ARITHMETIC: dict[type[ast.operator], tuple[type[ast.operator], ...]] = {
     ast.FloorDiv: (ast.Mod,),
 }
 SETTINGS = ("callback_group", "cancel_callback", "goal_callback", "feedback_callback", "timeout_sec", "timeout")
+LONG = 160  # characters of a change that is shown
 NOT_COUNTED = ("get_logger", "super")  # calls that are no behaviour of their own, or without which there is no node
 
 
@@ -90,11 +91,15 @@ def _difference(before: str, after: str) -> str:
     was = old[place].strip() if place < len(old) else ""
     if len(new) < len(old):
         return f"{place + 1}: {_cut(was)} left out"
-    return f"{place + 1}: {_cut(was)} -> {_cut(new[place].strip() if place < len(new) else '')}"
+    now = new[place].strip() if place < len(new) else ""
+    if max(len(was), len(now)) > LONG:
+        same = next((n for n, (a, b) in enumerate(zip(was, now, strict=False)) if a != b), 0)
+        was, now = f"… {was[max(0, same - 60) :][:LONG]}", f"… {now[max(0, same - 60) :][:LONG]}"
+    return f"{place + 1}: {was} -> {now}"
 
 
 def _cut(line: str) -> str:
-    return line if len(line) < 400 else f"{line[:200]} … {line[-200:]}"
+    return line if len(line) < LONG else f"{line[: LONG // 2]} … {line[-LONG // 2 :]}"
 
 
 def _set(**fields: object) -> Change:
