@@ -80,10 +80,9 @@ def test_rates_of_all_topics_are_shown_and_new_topics_join(kernel: Kernel) -> No
     def row(topic: str) -> list[str]:
         return next((line.split() for line in of_view(kernel, cell).splitlines() if line.startswith(topic)), [])
 
-    kernel.until(lambda: "Hz" in row("/goal"), 20)
-    assert row("/goal")[1] == "/robot"
-    rate, delay = float(row("/goal")[2]), float(row("/goal")[8])
-    assert 0 < rate < 70 and 0 < delay < 1000
+    # The first rates may be those of a few messages that came in a burst on a busy machine.
+    kernel.until(lambda: "Hz" in row("/goal") and 0 < float(row("/goal")[2]) < 70, 20)
+    assert row("/goal")[1] == "/robot" and 0 < float(row("/goal")[8]) < 1000
     assert row("/turtle1/pose")[8] == "-"  # a turtle's pose has no stamp
     kernel.until(lambda: "lines/s" in of_view(kernel, cell))
     assert row("/robot")

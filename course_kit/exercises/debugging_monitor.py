@@ -131,12 +131,13 @@ class _Phase:
 
 
 def _phases() -> list[_Phase]:
-    """Five pairs of rates: each topic has each kind once, both at the same time never, at first never none."""
+    """Five pairs of rates: each topic has each kind once, never both the same level, at first never none."""
     while True:
         scans, poses = (chance().sample(sorted(LEVEL_OF), len(LEVEL_OF)) for _ in WANTED)
-        if "none" not in (scans[0], poses[0]) and all(a != b for a, b in zip(scans, poses, strict=True)):
+        pairs = list(zip(scans, poses, strict=True))
+        if "none" not in pairs[0] and all(LEVEL_OF[a] != LEVEL_OF[b] for a, b in pairs):
             break
-    phases = [{SCANS: a, POSES: b} for a, b in zip(scans, poses, strict=True)]
+    phases = [{SCANS: a, POSES: b} for a, b in pairs]
     return [
         _Phase(kinds, {topic: WANTED[topic] * chance().uniform(*PARTS[topic][kinds[topic]]) for topic in WANTED})
         for kinds in phases

@@ -49,9 +49,10 @@ def watchdog() -> None:
         f"It said {said[-5:] or 'nothing'}. Nothing had come yet: begin with no time at all, or one long ago.",
     )
     expect_compatible_subscription(SCANS, laser)
-    turn = _watch_scans(alive, laser)
+    sent = [0]  # times of the scans, as of time.time_ns()
+    turn = _watch_scans(alive, laser, sent)
     if turn.wrong or turn.off_rate:  # a busy machine may be late once
-        turn = _watch_scans(alive, laser)
+        turn = _watch_scans(alive, laser, sent)
     expect(
         "it says true while a scan has come in the last 0.5 s, else false",
         not turn.wrong,
@@ -74,9 +75,9 @@ class _Turn:
     off_rate: list[str] = field(default_factory=list)
 
 
-def _watch_scans(alive: Heard, laser: Publisher) -> _Turn:
-    """Many scans, few, and one, each followed by a time without any."""
-    turn, sent = _Turn(), [0]
+def _watch_scans(alive: Heard, laser: Publisher, sent: list[int]) -> _Turn:
+    """Send many scans, few, and one, each followed by a time without any; their times are added to `sent`."""
+    turn = _Turn()
     fast = chance().uniform(10.0, 20.0)
     bursts = [(fast, round(fast * chance().uniform(0.8, 1.2))), (2.5, chance().randint(3, 4)), (2.5, 1)]
     chance().shuffle(bursts)

@@ -127,7 +127,7 @@ ANSWERS = Answers(
             "no_more",
             changed(MONITOR, ("if came >= 0.8 * rate", "if 0.8 * rate <= came <= 1.2 * rate")),
             4,
-            "a second came on /scan it said WARN",
+            "it said WARN. What comes is at least 80 %",
         ),
         Wrong(
             "all_scans",
