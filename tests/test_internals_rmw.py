@@ -76,7 +76,7 @@ def test_ids_and_ports_of_the_installed_fast_dds_are_as_known(node):
 
 
 def test_where_the_kernel_does_not_tell_ports_none_are_counted():
-    assert participants_listening(3, "header\nwhat is this") is None
+    assert participants_listening(3, lambda: "header\nwhat is this") is None
 
 
 @pytest.mark.parametrize("size", [0, 3, 20, 40])

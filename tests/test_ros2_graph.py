@@ -88,12 +88,24 @@ def test_a_killed_node_is_gone_from_the_next_list(domain):
         assert ros2("node", "list").out.splitlines() == NAMES
 
 
+FIRST = 7400 + 250 * 3  # of the ports of domain 3
+
+
+def udp_table(*ports: int) -> str:
+    """What /proc/net/udp tells of sockets that listen on these ports."""
+    row = "  0: 00000000:{0:04X} 00000000:0000 07 00000000:00000000 00:00000000 00000000  0  0 {0} 2 0 0"
+    return "\n".join(["header", *(row.format(port) for port in ports)])
+
+
 def test_participants_are_counted_by_their_pairs_of_ports():
-    first = 7400 + 250 * 3
-    row = "  0: 00000000:{:04X} 00000000:0000 07"
-    ports = [first + 10, first + 11, first + 14, first + 15, first + 16, first + 250 + 10, first + 250 + 11]
-    table = "\n".join(["header", *(row.format(port) for port in ports)])
-    assert participants_listening(3, table) == 2
+    ports = (10, 11, 14, 15, 16, 260, 261)
+    assert participants_listening(3, lambda: udp_table(*(FIRST + port for port in ports))) == 2
+
+
+def test_a_socket_that_closes_while_the_kernel_tells_hides_no_participant():
+    whole = udp_table(FIRST + 10, FIRST + 11)
+    tables = [udp_table(5353, FIRST + 10), whole, whole]
+    assert participants_listening(3, iter(tables).__next__) == 1
 
 
 def test_the_endpoints_that_a_participant_announces_are_read_from_its_message():

@@ -29,6 +29,7 @@ FRESH = 0.5  # seconds
 LEEWAY = 0.1  # seconds that a scan and a message may take on their way, in all
 RATE = 5.0  # Hz
 RATE_WITHIN = 0.2  # parts of it, and one message more or less
+MOST_BEAMS = 4
 WHOLE_WITHIN = 0.12  # the same over the whole of a turn
 EARLY, LATE = (0.02, 0.06), (0.14, 0.16)  # seconds from a message to the last scan: true at 0.36 s, false at 0.65 s
 
@@ -79,19 +80,21 @@ def _watch_scans(alive: Heard, laser: Publisher, sent: list[int]) -> _Turn:
     """Send many scans, few, and one, each followed by a time without any; their times are added to `sent`."""
     turn = _Turn()
     fast = chance().uniform(10.0, 20.0)
-    bursts = [(fast, round(fast * chance().uniform(0.8, 1.2))), (2.5, chance().randint(3, 4)), (2.5, 1)]
+    many, beams = round(fast * chance().uniform(0.8, 1.2)), chance().sample((0, 1), 2)  # a scan without any is one too
+    bursts = [(fast, many, MOST_BEAMS), (2.5, chance().randint(3, 4), beams[0]), (2.5, 1, beams[1])]
     chance().shuffle(bursts)
     phases = [EARLY, EARLY, LATE]
     chance().shuffle(phases)
     turn_began, all_since = time.monotonic(), time.time_ns()
-    for (rate, count), phase in zip(bursts, phases, strict=True):
+    for (rate, count, last_beams), phase in zip(bursts, phases, strict=True):
         began = due = time.monotonic()
         since = time.time_ns()
         for number in range(count):
-            if number == count - 1:
+            is_last = number == count - 1
+            if is_last:
                 _pause_until_after_a_message(alive, chance().uniform(*phase))
             sent.append(time.time_ns())
-            laser.publish(_a_scan())
+            laser.publish(_a_scan(last_beams if is_last else chance().randint(0, MOST_BEAMS)))
             due += 1 / rate
             pause(max(0.0, due - time.monotonic()))
         pause(chance().uniform(0.85, 1.0))
@@ -122,9 +125,9 @@ def _why_wrong(said: bool, when: int, sent: list[int]) -> str:
     return ""
 
 
-def _a_scan() -> LaserScan:
-    """A scan of now, with few beams or none."""
+def _a_scan(beams: int) -> LaserScan:
+    """A scan of now."""
     scan = LaserScan(angle_min=-math.pi, angle_increment=math.pi / 2, range_max=16.0)
     scan.header.frame_id, scan.header.stamp = "turtle1", current().stage.node.get_clock().now().to_msg()
-    scan.ranges = [chance().uniform(0.5, 10.0) for _ in range(chance().randint(0, 4))]
+    scan.ranges = [chance().uniform(0.5, 10.0) for _ in range(beams)]
     return scan

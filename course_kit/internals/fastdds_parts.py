@@ -6,6 +6,7 @@ Fast DDS that each use tries on an id of its own process.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,7 @@ VENDOR = b"\x01\x0f"  # with which its ids begin
 PORT_BASE, DOMAIN_GAIN, PARTICIPANT_GAIN = 7400, 250, 2
 DISCOVERY_OFFSET, DATA_OFFSET = 10, 11
 UDP = Path("/proc/net/udp")
+LOOKS = 10  # at it, of which two in succession have to be equal
 
 
 def participant_ports(domain: int) -> range:
@@ -27,18 +29,33 @@ def participant_ports(domain: int) -> range:
     return range(first + DISCOVERY_OFFSET, first + DOMAIN_GAIN)
 
 
-def participants_listening(domain: int, table: str | None = None) -> int | None:
+def participants_listening(domain: int, read: Callable[[], str] = UDP.read_text) -> int | None:
     """How many participants of a domain have their ports open; None where the kernel does not tell.
 
-    `table` is the text of /proc/net/udp.
+    `read` gives the text of /proc/net/udp.
     """
     try:
-        lines = (UDP.read_text() if table is None else table).splitlines()[1:]
-        ports = {int(line.split()[1].rsplit(":", 1)[1], 16) for line in lines}
+        ports = {int(address.rsplit(":", 1)[1], 16) for address, _ in _open_sockets(read)}
     except (OSError, ValueError, IndexError):
         return None
     gap = DATA_OFFSET - DISCOVERY_OFFSET
     return sum(port in ports and port + gap in ports for port in participant_ports(domain)[::PARTICIPANT_GAIN])
+
+
+def _open_sockets(read: Callable[[], str]) -> set[tuple[str, str]]:
+    """The local address and the inode of each UDP socket.
+
+    The kernel gives its table a page at a time and counts up to where it was: a socket that closes meanwhile shifts
+    the rest, and one is left out. The closed one is missing the next time, so two equal looks have left out none.
+    Raises OSError if no two are.
+    """
+    before: set[tuple[str, str]] | None = None
+    for _ in range(LOOKS):
+        rows = [line.split() for line in read().splitlines()[1:]]
+        if (sockets := {(row[1], row[9]) for row in rows}) == before:
+            return sockets
+        before = sockets
+    raise OSError("sockets are opened and closed all the time")
 
 
 @dataclass(frozen=True)

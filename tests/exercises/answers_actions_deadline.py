@@ -165,7 +165,7 @@ ANSWERS = Answers(
             "is aborted, with",
         ),
         Wrong("two_seconds", changed(DEADLINE, ("> 1e9", "> 2e9")), 2, "is aborted after 2."),
-        Wrong("half_a_second", changed(DEADLINE, ("> 1e9", "> 5e8")), 1, "is aborted after 0."),
+        Wrong("half_a_second", changed(DEADLINE, ("> 1e9", "> 4.5e8")), 1, "is aborted after 0."),
         Wrong(
             "rejects_what_is_long",
             changed(
