@@ -127,11 +127,11 @@ ANSWERS = Answers(
     WATCHDOG,
     [
         Wrong("qos", changed(WATCHDOG, ("on_scan, qos_profile_sensor_data", "on_scan, 10")), 1, "RELIABLE"),
-        Wrong("for_ever", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 1e6")), 2, "It said true 0."),
+        Wrong("for_ever", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 1e6")), 2, "s after the last scan"),
         Wrong("true_first", changed(WATCHDOG, ("-1e9", "time.monotonic() + 2.0")), 2, "Nothing had come yet"),
         Wrong("rate", changed(WATCHDOG, ("0.2, self.tick", "0.1, self.tick")), 2, "ros2 topic hz /scan_alive"),
         Wrong("flag", FLAG, 2, "It said false 0."),
-        Wrong("one_second", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 1.0")), 2, "It said true 0."),
+        Wrong("one_second", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 1.0")), 2, "s after the last scan"),
         Wrong("limit", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 0.3")), 2, "It said false 0.3"),
         Wrong("four", changed(WATCHDOG, ("0.2, self.tick", "0.25, self.tick")), 2, "one timer with a period of 0.2 s"),
         Wrong("six", changed(WATCHDOG, ("0.2, self.tick", "1 / 6, self.tick")), 2, "one timer with a period of 0.2 s"),
