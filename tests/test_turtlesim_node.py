@@ -636,6 +636,18 @@ def test_no_burst_after_a_stall(ros: Ros, sim: TurtleSim, monkeypatch: pytest.Mo
     assert len(times) <= (times[-1] - times[0] - 1.0) / 0.016 + 4
 
 
+@pytest.mark.parametrize("executor", list(EXECUTORS))
+def test_one_that_keeps_up_makes_up_for_a_stall(ros: Ros, monkeypatch: pytest.MonkeyPatch, executor: str) -> None:
+    sim = ros.run(executor, keeps_up=True)
+    ticks = Ticks(sim, monkeypatch)
+    wait_until(lambda: len(ticks.times) > 10, "ticks")
+    ticks.block = 1.0
+    wait_until(lambda: ticks.times[-1] - ticks.times[0] > 1.5, "ticks after the stall")
+    times = np.array(ticks.times[: len(ticks.times)])
+    assert abs(len(times) - (times[-1] - times[0]) / 0.016) <= 4
+    assert np.diff(times).max() < 0.1  # each as of the time when it was due
+
+
 # As a process of its own
 
 

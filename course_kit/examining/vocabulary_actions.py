@@ -32,6 +32,7 @@ PATIENCE = 1.0  # seconds that it waits for a request to cancel
 HASTE = 0.01  # seconds from number to number once it has refused
 REFUSAL = 0.5  # seconds that it rests after that, in which the goal goes on
 SAMPLE, MOST_WORK = 500, 60_000  # parameters: of what is measured, and in one request
+LITTLE_WORK = 0.1  # seconds
 # By the numbers of action_msgs/msg/GoalStatus.
 STATUSES = ("unknown", "accepted", "executing", "canceling", "succeeded", "canceled", "aborted")
 
@@ -264,9 +265,10 @@ class BusyWork:
             self._seconds_each = min(self._take(SAMPLE) for _ in range(2)) / SAMPLE
 
     def take(self, seconds: float) -> None:
-        """Give it work for about so long, and wait until it is done."""
-        if self._is_served:
-            self._take(min(MOST_WORK, round(seconds / self._seconds_each)))
+        """Give it work for about so long, and wait until it is done; more work if it was done sooner."""
+        until = time.monotonic() + seconds
+        while self._is_served and (left := until - time.monotonic()) > LITTLE_WORK:
+            self._take(min(MOST_WORK, 1 + round(left / self._seconds_each)))
 
     def _take(self, count: int) -> float:
         began = time.monotonic()

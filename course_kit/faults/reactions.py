@@ -90,7 +90,7 @@ class Robot:
         self._commands = station.listen("/turtle1/cmd_vel", Twist)
         self._counts = station.listen("/map_scans", Int32)
         self._teleport = Client("/turtle1/teleport_absolute", TeleportAbsolute, station)
-        self._began = time.time_ns()
+        self._began, self._limit = time.time_ns(), LIMIT
         station.on_own_node(self._add_scans)
 
     def _add_scans(self, node: Node) -> None:
@@ -110,6 +110,7 @@ class Robot:
 
     def limit(self, speed: float) -> None:
         """Tell it how fast it may drive."""
+        self._limit = speed
         self._limits.publish(Float32(data=speed))
         self._limits.wait_for_all_acked(Duration(seconds=1.0))
 
@@ -147,7 +148,10 @@ class Robot:
             )
             return is_driving and any(fits(command) for _, command in commands[-3:])
 
-        return bool(self._wait(is_done, TIMEOUT))
+        if self._wait(is_done, TIMEOUT / 2):
+            return True
+        self.limit(self._limit)  # a map server that was just started may have told its own meanwhile
+        return bool(self._wait(is_done, TIMEOUT / 2))
 
     def counts_more(self) -> bool:
         """Whether the map grows by more scans since there are twice as many."""

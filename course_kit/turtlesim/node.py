@@ -22,14 +22,19 @@ from course_kit.turtlesim.world import World
 
 BACKGROUND = {"background_r": 69, "background_g": 86, "background_b": 255}
 # A turtle's name begins the names of its topics, so it follows ROS's rules for them.
+MAKES_UP = 2_000_000_000  # nanoseconds
 _VALID_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
 class TurtleSim(Node):
     """A turtlesim without a window, for any executor; takes the keyword arguments of rclpy's Node."""
 
-    def __init__(self, *, period: float = TICK, **options: Any) -> None:
-        """`period`: seconds from tick to tick; a longer one slows the simulator down."""
+    def __init__(self, *, period: float = TICK, keeps_up: bool = False, **options: Any) -> None:
+        """`period`: seconds from tick to tick; a longer one slows the simulator down.
+
+        As the original's, its time stands still while the machine is too busy for a tick; if it `keeps_up`, it makes
+        up for those that it missed, those of MAKES_UP seconds at most.
+        """
         super().__init__("turtlesim", **options)
         self._declare()
         self.get_logger().info(f"Starting turtlesim with node name {self.get_fully_qualified_name()}")
@@ -44,9 +49,11 @@ class TurtleSim(Node):
         self.create_service(Kill, "kill", self.serving(lambda request: self.world.kill(request.name)))
         self._follow_world()
         self.settle()
+        self._period, self._keeps_up = round(period * 1e9), keeps_up
+        self._due = 0  # when the next tick is, as of time.monotonic_ns(); 0 before the first
         # Steady, so that neither a changed system time nor use_sim_time stops the turtles. rcl's timers do
         # not drift, and after a stall they skip what was missed.
-        self.create_timer(period, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(period, self._tick_as_due, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def picture(self) -> Image.Image:
         """The field with its trails and turtles as it is now: RGB, 500 x 500 pixels. From any thread."""
@@ -96,13 +103,23 @@ class TurtleSim(Node):
         description = "Whether turtles also go sideways, by linear.y of cmd_vel"
         self.declare_parameter("holonomic", False, ParameterDescriptor(description=description))
 
-    def _tick(self) -> None:
+    def _tick_as_due(self) -> None:
+        now = time.monotonic_ns()
+        if self._keeps_up:
+            self._due = max(self._due or now, now - MAKES_UP)
+            while self._due <= now - self._period:
+                self._tick(self._due)
+                self._due += self._period
+            self._due += self._period
+        self._tick(now)
+
+    def _tick(self, now: int) -> None:
         with self._tick_lock:
             if self._destroyed:
                 return
             for interface in self._interfaces.values():
                 interface.rotate.pass_cancels()
-            for name, reading in self.world.tick(time.monotonic_ns()).items():
+            for name, reading in self.world.tick(now).items():
                 self._interfaces[name].publish(reading)
             self.settle()
             for name, interface in list(self._retired.items()):
