@@ -200,12 +200,12 @@ def expect_gone(node: str) -> None:
     require(f"`{node}` leaves the graph at Ctrl-C", gone, "It is still there: did it end without cleaning up?")
 
 
-def set_parameter(node: str, name: str, value: Any) -> tuple[bool, str]:
-    """Set a parameter of a node, as `ros2 param set` does; whether it took it, and why not."""
+def set_parameter(node: str, name: str, value: Any) -> tuple[bool | None, str]:
+    """Set a parameter of a node, as `ros2 param set` does; whether it took it, None without an answer, and why not."""
     request = [Parameter(name, value=value).to_parameter_msg()]
     response = Client(f"{node}/set_parameters", SetParameters).ask(parameters=request).response
     if response is None:
-        return False, "no answer came: its callbacks block, or it is not spun"
+        return None, "no answer came: a callback raises or blocks, or it is not spun"
     return bool(response.results[0].successful), str(response.results[0].reason)
 
 

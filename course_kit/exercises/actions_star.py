@@ -27,6 +27,7 @@ COASTED = 1.5  # metres that the turtle may go on before it begins a star in the
 CARRIED = 0.3  # metres without a velocity: those of teleports
 TOLD = 1.5  # feedbacks a second, where the text says two
 STAR_TIMEOUT, HOME_TIMEOUT, ABORT_TIMEOUT = 42.0, 21.0, 1.5  # seconds, where the text says 40, 20 and 1
+PATIENCE = 4.0  # seconds for an abort where its time is not judged
 NOTICED = 300_000_000  # nanoseconds from the end of a goal to where the one that has pre-empted it begins
 BEGINS = 1_300_000_000  # the same where the turtle stands, or obeys its last command, until then
 STOP_TIMEOUT = 1.3  # seconds: a turtle obeys its last command for one
@@ -162,7 +163,7 @@ def star_server() -> None:
     trip.end(star)
     unwanted = _cancelled(trip, client)
     trip.put_elsewhere(sum(sides))
-    pre_empted, second = _one_after_another(trip, client, *sides)
+    pre_empted, second = _one_after_another(trip, client, *sides, patience=ABORT_TIMEOUT)
     if pre_empted.goal.word == "aborted":  # else two drive the turtle at the same time
         second.goal.wait(STAR_TIMEOUT)
     trip.end(second)
@@ -177,12 +178,12 @@ def star_server() -> None:
     )
 
 
-def _one_after_another(trip: Trip, client: Client, *sides: float) -> list[Star]:
+def _one_after_another(trip: Trip, client: Client, *sides: float, patience: float) -> list[Star]:
     """Two stars, of which the second is sent when the turtle is away from where the first began."""
     first = trip.send(client, sides[0])
     trip.drive(first, chance().uniform(0.8, 1.15), timeout=20.0)
     second = trip.send(client, sides[1])
-    first.goal.wait(ABORT_TIMEOUT)
+    first.goal.wait(patience)
     second.other_ended = first.goal.settled or 0
     return [first, second]
 
@@ -190,7 +191,7 @@ def _one_after_another(trip: Trip, client: Client, *sides: float) -> list[Star]:
 def _cancelled(trip: Trip, client: Client) -> Star:
     """A star that is cancelled on its way, and begins in the midst of another, where the answer does that."""
     trip.put_elsewhere(2 * SMALL[1])
-    earlier, star = _one_after_another(trip, client, *(chance().uniform(*SMALL) for _ in range(2)))
+    earlier, star = _one_after_another(trip, client, *(chance().uniform(*SMALL) for _ in range(2)), patience=PATIENCE)
     if earlier.goal.word != "aborted":
         for one in (earlier, star):
             one.goal.cancel(HOME_TIMEOUT)

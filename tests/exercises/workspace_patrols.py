@@ -279,6 +279,31 @@ ANSWERS = [
                 3,
                 "it turned at 0.50 rad/s",
             ),
+            Wrong(
+                "raises",
+                patrol(
+                    changed(
+                        PATROL_PY,
+                        (
+                            'return SetParametersResult(successful=False, reason="it would never arrive")',
+                            'raise ValueError("it would never arrive")',
+                        ),
+                    )
+                ),
+                4,
+                "was not answered",
+            ),
+            Wrong(
+                "returns_nothing",
+                patrol(
+                    changed(
+                        PATROL_PY,
+                        ('return SetParametersResult(successful=False, reason="it would never arrive")', "return"),
+                    )
+                ),
+                4,
+                "refused without a reason",
+            ),
             Wrong("keeps_refused", patrol(KEEPS_REFUSED), 4, "keeps nothing of what it refuses"),
         ],
         {"by_time": patrol(BY_TIME, GROUPED_LAUNCH), "aslant": patrol(ASLANT, yaml=BOTH_NODES)},
