@@ -22,6 +22,7 @@ SMALL, BIG = (1.1, 1.3), (1.6, 1.8)  # metres of a line, from to: no constant is
 ROOM = 1.7  # of the length of a line: whoever drives a pentagon stays away from the walls, too
 OFF = 0.25  # metres by which a point of the star may be missed
 AWAY = 0.3  # metres from where it began at which the turtle is back
+CLEARLY_AWAY = 0.45  # metres from there at which it is cancelled
 LONGER = 0.15  # the part by which the way may be longer or shorter than five lines
 COASTED = 1.5  # metres that the turtle may go on before it begins a star in the midst of another
 CARRIED = 0.3  # metres without a velocity: those of teleports
@@ -129,6 +130,11 @@ class Trip:
         length = lines * star.side if star.goal.accepted else 0.0
         wait(lambda: paths.length(self._driven.messages[star.begun :]) >= length, timeout, "a line", poll=0.1)
 
+    def is_away(self, star: Star) -> bool:
+        """Whether the turtle is away from all places where a star may have begun, or it has no goal any more."""
+        self.end(star)
+        return star.gap > CLEARLY_AWAY or star.goal.settled is not None
+
     def end(self, star: Star) -> None:
         """Keep how the turtle moved until the goal ended, if it has."""
         until = star.goal.settled or math.inf
@@ -197,7 +203,8 @@ def _cancelled(trip: Trip, client: Client) -> Star:
             one.goal.cancel(HOME_TIMEOUT)
         trip.put_elsewhere(SMALL[1])
         star = trip.send(client, chance().uniform(*SMALL))
-    trip.drive(star, chance().uniform(1.2, 2.1), timeout=25.0)  # away from where it may have begun
+    trip.drive(star, chance().uniform(1.2, 2.1), timeout=25.0)
+    wait(lambda: trip.is_away(star), 5.0, "the turtle to be away from where the star may have begun", poll=0.1)
     star.goal.cancel(HOME_TIMEOUT)
     trip.end(star)
     return star
