@@ -23,6 +23,7 @@ ROOM = 1.7  # of the length of a line: whoever drives a pentagon stays away from
 OFF = 0.25  # metres by which a point of the star may be missed
 AWAY = 0.3  # metres from where it began at which the turtle is back
 CLEARLY_AWAY = 0.45  # metres from there at which it is cancelled
+CLEAR = 0.6  # metres from the middle and from where the first star began at which a second is sent
 LONGER = 0.15  # the part by which the way may be longer or shorter than five lines
 COASTED = 1.5  # metres that the turtle may go on before it begins a star in the midst of another
 CARRIED = 0.3  # metres without a velocity: those of teleports
@@ -42,6 +43,7 @@ class Star:
     goal: Goal
     begun: int  # the number of the pose with which it was sent
     other_ended: int = 0  # when the star that it pre-empted was aborted (nanoseconds since the epoch)
+    elsewhere: list[paths.Point] = field(default_factory=list)  # where it did not begin, and wrong ones may end
     arrivals: list[tuple[int, Any]] = field(default_factory=list)  # when each pose came, and the pose
 
     @property
@@ -71,14 +73,17 @@ class Star:
 
     @property
     def beginnings(self) -> list[Any]:
-        """Where it may have begun: where it was sent, or anywhere from there until it drove the turtle itself."""
+        """Where it may have begun: where it was sent, or anywhere from there until it drove the turtle itself.
+
+        A star that drives to `elsewhere` first may keep the same velocity all the way, so its way there is left out.
+        """
         places = [self.poses[0]]
         for when, pose in self.arrivals[1:]:
             is_commanded = _velocities(pose) != _velocities(places[-1])
             if when > self.other_ended + (NOTICED if is_commanded else BEGINS):
                 break
             places.append(pose)
-        return places
+        return places[:1] + [pose for pose in places[1:] if _is_away(pose, self.elsewhere, CLEARLY_AWAY)]
 
     @property
     def gap(self) -> float:
@@ -98,6 +103,10 @@ class Star:
 
 def _velocities(pose: Any) -> tuple[float, float]:
     return pose.linear_velocity, pose.angular_velocity
+
+
+def _is_away(pose: Any, places: list[paths.Point], metres: float) -> bool:
+    return all(math.dist((pose.x, pose.y), place) > metres for place in places)
 
 
 class Trip:
@@ -129,6 +138,18 @@ class Trip:
         """Wait until so many lines are driven, if the goal is accepted."""
         length = lines * star.side if star.goal.accepted else 0.0
         wait(lambda: paths.length(self._driven.messages[star.begun :]) >= length, timeout, "a line", poll=0.1)
+
+    def send_second(self, client: Client, side: float, first: Star) -> Star:
+        """Send a goal while another is driven, as soon as the turtle is clear of where a wrong star would begin."""
+        elsewhere = [(MIDDLE, MIDDLE), self._places[-1]]
+
+        def is_clear() -> bool:
+            return _is_away(self._driven.last, elsewhere, CLEAR) or first.goal.settled is not None
+
+        wait(is_clear, 5.0, "the turtle to be clear of where the first star began", poll=0.02)
+        star = self.send(client, side)
+        star.elsewhere = elsewhere
+        return star
 
     def is_away(self, star: Star) -> bool:
         """Whether the turtle is away from all places where a star may have begun, or it has no goal any more."""
@@ -188,7 +209,7 @@ def _one_after_another(trip: Trip, client: Client, *sides: float, patience: floa
     """Two stars, of which the second is sent when the turtle is away from where the first began."""
     first = trip.send(client, sides[0])
     trip.drive(first, chance().uniform(0.8, 1.15), timeout=20.0)
-    second = trip.send(client, sides[1])
+    second = trip.send_second(client, sides[1], first)
     first.goal.wait(patience)
     second.other_ended = first.goal.settled or 0
     return [first, second]

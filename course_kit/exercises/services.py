@@ -126,7 +126,7 @@ def add_three_times() -> None:
     server = a_server("/add_two_ints", AddTwoInts, adder)
     answer()
     clients = [expect_service("/add_three_times", AddTwoInts), Client("/add_three_times", AddTwoInts)]
-    small, others = _numbers(99), [_numbers(LARGEST), _numbers(99)]
+    small, others = _numbers(99), [_large_numbers(), _numbers(99)]
     first = {"a": (one := chance().randint(1, 99)), "b": -one}  # 0, which who does not answer answers too
     asked = [*chance().sample([first, small], 2), *chance().sample(others, 2)]
     came, counts = [], []
@@ -238,6 +238,16 @@ def _numbers(largest: int) -> dict[str, int]:
     """Two drawn numbers of a request, of which one at least is negative."""
     a, b = chance().randint(-largest, -1), chance().randint(-largest, largest)
     return {"a": a, "b": b} if chance().random() < 0.5 else {"a": b, "b": a}
+
+
+def _large_numbers() -> dict[str, int]:
+    """Two large numbers; in floats they, their sum or its threefold become others, also where errors cancel out."""
+    while True:
+        request = _numbers(LARGEST)
+        total = sum(request.values())
+        rounded = sum(int(float(each)) for each in request.values())
+        if total not in (rounded, int(float(total))) and int(3.0 * total) != 3 * total:
+            return request
 
 
 def _sum(answered: Answer) -> int | None:
