@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from example_interfaces.action import Fibonacci
 
@@ -36,9 +37,12 @@ def _result(goal: Goal) -> list[int] | None:
 
 
 def _pace(goals: Sequence[Goal]) -> float:
-    """Seconds from feedback to feedback of all goals."""
-    gaps = [len(goal.feedback) - 1 for goal in goals if goal.period]
-    return sum(goal.period * (len(goal.feedback) - 1) for goal in goals) / sum(gaps) if gaps else 0.0
+    """Seconds from feedback to feedback of all goals; without the first gap of each, which a Rate may shorten.
+
+    A Rate or a timer that goes on between the goals has its own beat, in which the first feedback falls anywhere.
+    """
+    gaps = [b - a for goal in goals for (a, _), (b, _) in list(pairwise(goal.told))[1:]]
+    return sum(gaps) * 1e-9 / len(gaps) if gaps else 0.0
 
 
 def _is_ten_a_second(goals: Sequence[Goal]) -> bool:

@@ -33,6 +33,7 @@ Wait = Callable[[Callable[[], object], float], object]
 WALLS = 11.09  # metres, both ways
 LIMIT = 1.0  # m/s, the map server's
 TIMEOUT = 8.0  # seconds for each reaction; it takes a tenth of that, unless the machine is busy
+TRIES = 4  # times in it that the speed limit is told
 NEAR = 0.5  # metres, that it may have driven since
 OFF = 0.15  # metres, or m/s
 AGE = 0.35e9  # nanoseconds between a pose and the scan from there, at most
@@ -148,10 +149,11 @@ class Robot:
             )
             return is_driving and any(fits(command) for _, command in commands[-3:])
 
-        if self._wait(is_done, TIMEOUT / 2):
-            return True
-        self.limit(self._limit)  # a map server that was just started may have told its own meanwhile
-        return bool(self._wait(is_done, TIMEOUT / 2))
+        for _ in range(TRIES):
+            if self._wait(is_done, TIMEOUT / TRIES):
+                return True
+            self.limit(self._limit)  # a map server that was just started may have told its own meanwhile
+        return False
 
     def counts_more(self) -> bool:
         """Whether the map grows by more scans since there are twice as many."""

@@ -49,8 +49,11 @@ class StarServer(Node):
         return Polygon.Result()
 """
 
+IN_SERIES = changed(  # it has asked before the earlier goal could end
+    STAR, ("        side, pose =", "        is_first = not (earlier and earlier.is_active)\n        side, pose =")
+)
 KEEPS_START = """
-        if earlier is None or not earlier.is_active:
+        if is_first:
             self.start = (pose.x, pose.y)
 """
 
@@ -147,14 +150,16 @@ ANSWERS = Answers(
         ),
         Wrong(
             "home_of_the_first_of_a_series",
-            changed(STAR, ("        start, x, y = (pose.x, pose.y)", f"{KEEPS_START}        start, x, y = self.start")),
+            changed(
+                IN_SERIES, ("        start, x, y = (pose.x, pose.y)", f"{KEEPS_START}        start, x, y = self.start")
+            ),
             4,
             "m from where this star began",
         ),
         Wrong(
             "begins_where_the_first_began",
             changed(
-                STAR,
+                IN_SERIES,
                 (
                     "        start, x, y = (pose.x, pose.y), pose.x, pose.y\n",
                     f"{KEEPS_START}        start, x, y = self.start, *self.start\n"

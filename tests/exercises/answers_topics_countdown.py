@@ -174,7 +174,7 @@ ANSWERS = Answers(
             1,
             "It goes on after 0",
         ),
-        Wrong("catches_up", CATCHES_UP, 1, "in one of two counts"),
+        Wrong("catches_up", CATCHES_UP, 1, "5 messages a second (0 of 1 point)"),
         Wrong(
             "each_node_slower",
             changed(
