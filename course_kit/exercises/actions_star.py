@@ -12,9 +12,19 @@ import numpy as np
 
 from course_kit.examining import paths
 from course_kit.examining.exercise import exercise
-from course_kit.examining.vocabulary import a_turtle, answer, chance, expect, nobody_else, place_turtle, require, wait
+from course_kit.examining.vocabulary import (
+    a_turtle,
+    answer,
+    chance,
+    expect,
+    nobody_else,
+    place_turtle,
+    require,
+    time_left,
+    wait,
+)
 from course_kit.examining.vocabulary_actions import Client, Goal, expect_action
-from course_kit.examining.vocabulary_topics import hear_the_turtle
+from course_kit.examining.vocabulary_topics import hear_the_turtle, ticked_late
 from course_kit.turtlesim.field import EXTENT, MIDDLE
 from course_kit.turtlesim.node import TurtleSim
 
@@ -33,6 +43,7 @@ PATIENCE = 4.0  # seconds for an abort where its time is not judged
 NOTICED = 300_000_000  # nanoseconds from the end of a goal to where the one that has pre-empted it begins
 BEGINS = 1_300_000_000  # the same where the turtle stands, or obeys its last command, until then
 STOP_TIMEOUT = 1.3  # seconds: a turtle obeys its last command for one
+STARS = 6  # times that of the first star, in which the check does what is left to do with one star more
 
 
 @dataclass
@@ -90,6 +101,12 @@ class Star:
         """Metres from where it ended to where it began, or to the nearest place where it may have begun."""
         end = self.poses[-1]
         return min(math.dist((pose.x, pose.y), (end.x, end.y)) for pose in self.beginnings)
+
+    def is_drawn(self, coasted: float = 0.0) -> bool:
+        """Whether its way is a star that was driven, but for `coasted` metres before it began."""
+        wrong = abs(paths.length(self.poses) - 5 * self.side)
+        is_as_long = wrong < LONGER * 5 * self.side + coasted
+        return max(self.missed_by, self.gap) < OFF and is_as_long and paths.carried(self.poses) < CARRIED
 
     @property
     def wrong_feedback(self) -> float:
@@ -156,6 +173,10 @@ class Trip:
         self.end(star)
         return star.gap > CLEARLY_AWAY or star.goal.settled is not None
 
+    def was_late(self, star: Star) -> bool:
+        """Whether the simulator was late in it, as on a busy machine, which may lead the turtle astray."""
+        return ticked_late(self._driven, star.begun)
+
     def end(self, star: Star) -> None:
         """Keep how the turtle moved until the goal ended, if it has."""
         until = star.goal.settled or math.inf
@@ -181,13 +202,15 @@ def star_server() -> None:
     trip.put_elsewhere(sides[0])
     answer(threads=None)
     client = expect_action("/drive_star", Polygon)
-    star = trip.send(client, sides[0])
+    star = _whole(trip, client, sides[0])
+    if trip.was_late(star) and not star.is_drawn() and time_left() > STARS * star.seconds:
+        trip.put_elsewhere(sides[0])
+        star = _whole(trip, client, sides[0])
     require(
         "it accepts a goal, and the goal ends",
-        star.goal.wait(STAR_TIMEOUT),
+        star.goal.status is not None,
         f"A goal with lines of {star.side:.2f} m is {star.goal.word} after {STAR_TIMEOUT:g} s.",
     )
-    trip.end(star)
     unwanted = _cancelled(trip, client)
     trip.put_elsewhere(sum(sides))
     pre_empted, second = _one_after_another(trip, client, *sides, patience=ABORT_TIMEOUT)
@@ -203,6 +226,13 @@ def star_server() -> None:
         f"With a second goal on its way the first is {pre_empted.goal.word}, and the second {second.goal.word}: abort "
         "the first, let its loop end, and drive the second.",
     )
+
+
+def _whole(trip: Trip, client: Client, side: float) -> Star:
+    star = trip.send(client, side)
+    star.goal.wait(STAR_TIMEOUT)
+    trip.end(star)
+    return star
 
 
 def _one_after_another(trip: Trip, client: Client, *sides: float, patience: float) -> list[Star]:
@@ -240,23 +270,15 @@ def _expect_stars(stars: list[Star]) -> None:
         f"With lines of {bad.side:.2f} m it is {bad.goal.word}, with a distance of {bad.distance:.1f} m: drive all "
         f"five lines, then `goal_handle.succeed()`, and return a result in which `distance` is {5 * bad.side:.1f}.",
     )
-    ways = [paths.length(star.poses) for star in stars]
-    missed = [star.missed_by for star in stars]
-    gaps = [star.gap for star in stars]
-    jumps = [paths.carried(star.poses) for star in stars]
-    fits = [
-        max(missed[n], gaps[n]) < OFF
-        and abs(ways[n] - 5 * star.side) < LONGER * 5 * star.side + n * COASTED
-        and jumps[n] < CARRIED
-        for n, star in enumerate(stars)
-    ]
-    n = fits.index(False) if False in fits else 0
+    wrong = [star for n, star in enumerate(stars) if not star.is_drawn(n * COASTED)]
+    bad = wrong[0] if wrong else stars[0]
     expect(
         "the path is a star with five points",
-        all(fits),
-        f"With lines of {stars[n].side:.2f} m it missed a point by {missed[n]:.2f} m, ended {gaps[n]:.2f} m from where "
-        f"it began, drove {ways[n]:.1f} m in place of {5 * stars[n].side:.1f}, {jumps[n]:.1f} m of them by teleports: "
-        "at each point of a star the turtle turns by 144°, twice the angle of a pentagon.",
+        not wrong,
+        f"With lines of {bad.side:.2f} m it missed a point by {bad.missed_by:.2f} m, ended {bad.gap:.2f} m from where "
+        f"it began, drove {paths.length(bad.poses):.1f} m in place of {5 * bad.side:.1f}, "
+        f"{paths.carried(bad.poses):.1f} m of them by teleports: at each point of a star the turtle turns by 144°, "
+        "twice the angle of a pentagon.",
     )
     rates = [len(star.goal.feedback) / star.seconds for star in stars]
     errors = [star.wrong_feedback for star in stars]
