@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from functools import partial
+from itertools import product
 from operator import eq
 from typing import Any
 
@@ -198,9 +199,7 @@ def _two_bursts(laser: Publisher) -> tuple[int, Any]:
     sent, count = 0, None
     for rest in (0.0, chance().uniform(2.2, 3.2)):
         pause(rest)
-        scans = [_a_scan() for _ in range(chance().randint(8, 18))]
-        place = chance().randrange(len(scans))
-        scans[place:place] = [_again(scans[place]), _again(scans[place])]
+        scans = _a_burst()
         sent += len(scans)
         publish_steadily(laser, scans, period=chance().uniform(0.02, 0.05))
         wait_for_attribute("count", partial(eq, sent), timeout=0.7)
@@ -211,15 +210,18 @@ def _two_bursts(laser: Publisher) -> tuple[int, Any]:
     return sent, count
 
 
-def _a_scan() -> LaserScan:
-    """Of any length, also an empty one, and one with nothing in reach."""
-    length, is_near = chance().choice((0, 1, 3, 90, 360)), chance().random() < 0.8
-    return _stamped([chance().uniform(0.1, 8.0) if is_near else math.inf for _ in range(length)])
-
-
-def _again(scan: LaserScan) -> LaserScan:
-    """The same seen once more, as when nothing moves."""
-    return _stamped(scan.ranges)
+def _a_burst() -> list[LaserScan]:
+    """Scans of all lengths, also empty ones, with and without something in reach; one as when nothing moves."""
+    kinds = [*product((0, 1, 3, 90, 360), (True, False))]
+    kinds += chance().choices(kinds, k=chance().randint(0, 8))
+    chance().shuffle(kinds)
+    scans = [
+        _stamped([chance().uniform(0.1, 8.0) if is_near else math.inf for _ in range(length)])
+        for length, is_near in kinds
+    ]
+    place = chance().randrange(len(scans))
+    scans[place:place] = [_stamped(scans[place].ranges) for _ in range(2)]
+    return scans
 
 
 def _stamped(ranges: Any) -> LaserScan:
