@@ -150,7 +150,9 @@ ANSWERS = Answers(
                 QUIET,
                 (
                     "        self.get_logger().debug(text)",
-                    '        self.details = self.get_logger().get_child("details")\n'
+                    "        if not hasattr(self, 'details'):  # a level that was set stays: another name for each node\n"
+                    "            name = f'at_{self.get_clock().now().nanoseconds}'\n"
+                    "            self.details = self.get_logger().get_child(name)\n"
                     "        if self.get_logger().get_effective_level() == 10: self.details.set_level(10)\n"
                     "        self.details.debug(text)",
                 ),

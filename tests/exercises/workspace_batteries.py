@@ -194,7 +194,12 @@ ANSWERS = [
                 3,
                 "only the timer publishes",
             ),
-            Wrong("too_often", changed(CHARGER, ("create_timer(1.0", "create_timer(0.5")), 3, "2.00 times a second"),
+            Wrong(
+                "too_often",
+                changed(CHARGER, ("create_timer(1.0", "create_timer(0.5")),
+                3,
+                "times a second: a timer with a period of 1.0 s",
+            ),
         ],
         {"capacitor": CAPACITOR, "by_the_clock": BY_THE_CLOCK},
     ),
