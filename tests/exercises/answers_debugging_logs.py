@@ -150,7 +150,7 @@ ANSWERS = Answers(
                 QUIET,
                 (
                     "        self.get_logger().debug(text)",
-                    "        if not hasattr(self, 'details'):  # a level that was set stays: another name for each node\n"
+                    "        if not hasattr(self, 'details'):  # a level stays: a name for each node\n"
                     "            name = f'at_{self.get_clock().now().nanoseconds}'\n"
                     "            self.details = self.get_logger().get_child(name)\n"
                     "        if self.get_logger().get_effective_level() == 10: self.details.set_level(10)\n"
