@@ -1,6 +1,6 @@
-"""Every answer of a chapter checked many times beside busy processes; counts the wrong verdicts.
+"""Answers checked many times, in several kernels beside each other and beside busy processes; counts wrong verdicts.
 
-.venv/bin/python -m tests.exercises.repeat services --times 20 --busy 2 [--only services-4 actions-1-forgets_cancel]
+.venv/bin/python -m tests.exercises.repeat services actions-5 actions-1-forgets --times 20 --jobs 4 --busy 2
 """
 
 from __future__ import annotations
@@ -14,30 +14,43 @@ from collections import Counter
 from collections.abc import Iterator
 
 from course_kit.exercises import CHAPTERS
-from tests.domains import use_own_domain
-from tests.exercises.chapter import Chapter, answers_to, chapter, judge
+from tests.exercises.chapter import answers_to, judge
+from tests.exercises.kernels import Put, check_all
 
 # Until this process ends, however it does.
 BUSY = "import os\nparent = os.getppid()\nwhile os.getppid() == parent: pass"
+Expected = tuple[int, int, str]  # points, of so many, and a part of the hint
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("chapter", choices=CHAPTERS)
+    parser.add_argument("only", nargs="*", help="CHAPTER, EXERCISE or EXERCISE-ANSWER, as they begin; all unless given")
     parser.add_argument("--times", type=int, default=20)
+    parser.add_argument("--jobs", type=int, default=1, help="kernels beside each other")
     parser.add_argument("--busy", type=int, default=2, help="processes that keep a core busy each")
-    parser.add_argument("--only", nargs="+", default=[""], help="EXERCISE or EXERCISE-ANSWER, as they begin")
-    parser.add_argument("--reference", action="store_true", help="the right answers only")
+    parser.add_argument("--right", action="store_true", help="the right answers only")
     chosen = parser.parse_args()
-    use_own_domain()
-    with chapter(chosen.chapter) as notebook, _busy(chosen.busy):
-        wrong, count = _repeat(notebook, list(_chosen(chosen)), chosen.times)
-    print(f"{count} checks, {sum(wrong.values())} wrong verdicts {dict(wrong)}")
+    checks, wrong = 0, Counter[str]()
+    with _busy(chosen.busy):
+        for name in CHAPTERS:
+            answers = _answers(name, tuple(chosen.only), chosen.right)
+            began = time.monotonic()
+            for shown in check_all(name, [*answers] * chosen.times, chosen.jobs):
+                checks += 1
+                try:
+                    judge(shown.text, *answers[shown.answer])
+                except AssertionError as error:
+                    wrong[shown.answer.name] += 1
+                    print(f"{shown.answer.name}: {error}", flush=True)
+            if answers:
+                seconds = time.monotonic() - began
+                print(f"{name}: {len(answers)} answers, {chosen.times} times, in {seconds:.0f} s", flush=True)
+    print(f"{checks} checks, {wrong.total()} wrong verdicts {dict(wrong)}")
     return bool(wrong)
 
 
 @contextlib.contextmanager
-def _busy(count: int):
+def _busy(count: int) -> Iterator[None]:
     processes = [subprocess.Popen([sys.executable, "-S", "-c", BUSY]) for _ in range(count)]
     try:
         yield
@@ -47,33 +60,17 @@ def _busy(count: int):
             process.wait()
 
 
-def _chosen(chosen: argparse.Namespace) -> Iterator[tuple[str, str, str, int, int, str]]:
-    """An answer's name, its exercise, its source, its points, all points, and a part of its hint."""
-    for one in answers_to(chosen.chapter).ANSWERS:
-        wrong = [] if chosen.reference else [(w.name, w.source, w.points, w.hint) for w in one.wrong]
-        rights = {"reference": one.reference, **({} if chosen.reference else one.right)}
-        for name, source, points, hint in [*wrong, *((name, right, one.points, "") for name, right in rights.items())]:
-            if f"{one.exercise}-{name}".startswith(tuple(chosen.only)):
-                yield f"{one.exercise}-{name}", one.exercise, source, points, one.points, hint
-
-
-def _repeat(notebook: Chapter, answers: list[tuple], times: int) -> tuple[Counter[str], int]:
-    wrong: Counter[str] = Counter()
-    for turn in range(times):
-        began = time.monotonic()
-        took: dict[str, float] = {}
-        for name, exercise, source, points, all_points, hint in answers:
-            start = time.monotonic()
-            try:
-                judge(notebook.answer(exercise, source), points, all_points, hint)
-            except AssertionError as error:
-                wrong[name] += 1
-                print(f"{name}: {error}", flush=True)
-            took[name] = time.monotonic() - start
-        slowest = sorted(took, key=lambda name: took[name])[-3:]
-        shown = ", ".join(f"{name} {took[name]:.0f} s" for name in slowest)
-        print(f"turn {turn + 1}: {time.monotonic() - began:.0f} s; the slowest: {shown}", flush=True)
-    return wrong, times * len(answers)
+def _answers(chapter: str, only: tuple[str, ...], only_right: bool) -> dict[Put, Expected]:
+    """The answers of a chapter, and what each must get."""
+    found: dict[Put, Expected] = {}
+    for one in answers_to(chapter).ANSWERS:
+        expected = {} if only_right else {w.name: (w.source, (w.points, one.points, w.hint)) for w in one.wrong}
+        rights = {"reference": one.reference, **one.right}
+        expected |= {style: (source, (one.points, one.points, "")) for style, source in rights.items()}
+        for name, (source, points) in expected.items():
+            if (answer := f"{one.exercise}-{name}").startswith(only or ("",)):
+                found[Put(answer, one.exercise, source)] = points
+    return found
 
 
 if __name__ == "__main__":
