@@ -16,16 +16,17 @@ pytestmark = pytest.mark.timeout(400)
 
 @pytest.fixture(scope="module")
 def notebook_of() -> Iterator[Callable[[str], Chapter]]:
-    """Opens the notebook of a chapter, once for all tests of that chapter that follow each other."""
+    """Opens the notebook of an exercise's chapter, once for a group: another's answers are not in its workspace."""
     with ExitStack() as stack:
         opened: dict[str, Chapter] = {}
 
-        def notebook(name: str) -> Chapter:
-            if name not in opened:
+        def notebook(exercise: str) -> Chapter:
+            group = group_of(exercise)
+            if group not in opened:
                 stack.close()
                 opened.clear()
-                opened[name] = stack.enter_context(chapter(name))
-            return opened[name]
+                opened[group] = stack.enter_context(chapter(exercise.rpartition("-")[0]))
+            return opened[group]
 
         yield notebook
 
@@ -34,16 +35,16 @@ BUILDS = pytest.mark.slow("each answer builds a package")
 FURTHER = pytest.mark.slow("the reference and the first wrong answer show that the check judges")
 
 
-def row(name: str, answers: Answers, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
+def row(answers: Answers, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
     """The parameters of one test; those of a group run one after another, in one kernel."""
     marks = [pytest.mark.xdist_group(group_of(answers.exercise)), *marks]
-    return pytest.param(name, answers, *values, id=id, marks=marks)
+    return pytest.param(answers, *values, id=id, marks=marks)
 
 
 def every_exercise() -> Iterator[Any]:
     for name in CHAPTERS:
         for answers in answers_to(name).ANSWERS:
-            yield row(name, answers, id=answers.exercise)
+            yield row(answers, id=answers.exercise)
 
 
 def every_answer() -> Iterator[Any]:
@@ -52,28 +53,24 @@ def every_answer() -> Iterator[Any]:
             for wrong in answers.wrong:
                 values = wrong.source, wrong.points, wrong.hint
                 marks = [BUILDS] if name == "workspace" else [FURTHER] if wrong is not answers.wrong[0] else []
-                yield row(name, answers, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
+                yield row(answers, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
             for style, source in answers.right.items():
                 marks = [BUILDS] if name == "workspace" else [FURTHER]
-                yield row(
-                    name, answers, source, answers.points, "", id=f"{answers.exercise}-right_{style}", marks=marks
-                )
-            yield row(name, answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
+                yield row(answers, source, answers.points, "", id=f"{answers.exercise}-right_{style}", marks=marks)
+            yield row(answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
 
 
-@pytest.mark.parametrize(("name", "answers"), list(every_exercise()))
-def test_untouched_is_not_begun(notebook_of: Callable[[str], Chapter], name: str, answers: Answers):
-    notebook = notebook_of(name)
+@pytest.mark.parametrize("answers", list(every_exercise()))
+def test_untouched_is_not_begun(notebook_of: Callable[[str], Chapter], answers: Answers):
+    notebook = notebook_of(answers.exercise)
     shown = notebook.answer(answers.exercise, notebook.source("answer", answers.exercise))
     assert shown.splitlines()[0].endswith(": not begun"), shown
     assert shown == notebook.committed(answers.exercise)
 
 
-@pytest.mark.parametrize(("name", "answers", "source", "points", "hint"), list(every_answer()))
-def test_answer(
-    notebook_of: Callable[[str], Chapter], name: str, answers: Answers, source: str, points: int, hint: str
-):
-    judge(notebook_of(name).answer(answers.exercise, source), points, answers.points, hint)
+@pytest.mark.parametrize(("answers", "source", "points", "hint"), list(every_answer()))
+def test_answer(notebook_of: Callable[[str], Chapter], answers: Answers, source: str, points: int, hint: str):
+    judge(notebook_of(answers.exercise).answer(answers.exercise, source), points, answers.points, hint)
 
 
 def test_every_exercise_has_three_wrong_answers_at_least():
