@@ -37,6 +37,7 @@ CORNERS = {
 }
 NEAR = 2.0  # metres
 BY_COMMANDS = 0.5  # of what was driven; the first command of a new publisher is seldom heard
+SOME = 0.2  # of it, by chance: a command of another drive, or of a new publisher that was not heard
 FIRST, SECOND = "/turtlesim", "/robot2/turtlesim"
 FIRST_POSE, FIRST_COMMANDS, SECOND_POSE = "/turtle1/pose", "/turtle1/cmd_vel", "/robot2/turtle1/pose"
 DRIVEN = 0.3  # metres
@@ -121,7 +122,8 @@ def corners() -> None:
     expect_simulator(FIRST)
     steps, commands = drives.steps_of(heard_since_start(FIRST, FIRST_POSE)), commands_heard(FIRST_COMMANDS)
     by_commands = drives.driven(steps, commands)
-    require("the checker saw the turtle drive", by_commands > 1.0, _why_it_did_not_drive(steps))
+    drove = by_commands > max(1.0, SOME * drives.driven(steps))
+    require("the checker saw the turtle drive", drove, _why_it_did_not_drive(steps))
     poses = [step.pose for step in steps]
     for which, points in CORNERS.items():
         distances = [paths.nearest_approach(poses, point) for point in points]
@@ -143,7 +145,7 @@ def _why_it_did_not_drive(steps: Sequence[Step]) -> str:
         )
     if moved > 1.0:
         return (
-            f"It moved {moved:.1f} m, and no command on `{FIRST_COMMANDS}` was heard that would have it do so. "
+            f"It moved {moved:.1f} m, and no command on `{FIRST_COMMANDS}` was heard for most of them. "
             f"{SINCE}: drive with `drive()`, or publish there."
         )
     saw = f"only {moved:.1f} m of movement" if moved > STANDS else "no movement"
