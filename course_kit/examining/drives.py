@@ -110,7 +110,7 @@ class Commands:
         """From when on (nanoseconds) a turtle moves because of commands that came after `since`."""
         place = bisect_right(self.times, since)
         earlier, later = self.times[:place], self.times[place:]
-        over = max(since, earlier[-1] + COMMAND_LIFETIME + SECOND // 10) if earlier else since
+        over = max(since, earlier[-1] + COMMAND_LIFETIME + ARRIVAL) if earlier else since
         return min(over, later[0]) if later else over
 
 

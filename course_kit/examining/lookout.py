@@ -23,6 +23,7 @@ class Watched(Heard):
         super().__init__(message_type, topic, changes=True)
         self.appeared: dict[bytes, int] = {}  # when each publisher was first seen, nanoseconds since the epoch
         self.is_open = False
+        self.closed = 0  # when the checker last left the topic, as above
 
 
 class Lookout:
@@ -68,6 +69,7 @@ class Lookout:
             self._station.subscribe(one)
         elif one.is_open and not is_there:
             one.subscription.close(wait=False)
+            one.closed = time.time_ns()
         one.is_open = is_there
 
 

@@ -60,6 +60,16 @@ def heard_since_start(node: str, topic: str) -> Arrivals:
     return heard.of(publishers)
 
 
+def was_in_a_list_after(node: str, topic: str, watched: str) -> bool:
+    """Whether the checker still had a watched topic, which nobody else had, when a node came that publishes `topic`.
+
+    Then a list of the topics that was made after that may have had it.
+    """
+    appeared = current().watched[topic].appeared
+    came = [appeared[publisher] for publisher in _publishers_of(node, topic) & appeared.keys()]
+    return bool(came) and current().watched[watched].closed >= min(came)
+
+
 def commands_heard(topic: str) -> Commands:
     """What was said on a watched cmd_vel, by whomever."""
     heard = current().watched[topic]

@@ -43,7 +43,8 @@ PATIENCE = 4.0  # seconds for an abort where its time is not judged
 NOTICED = 300_000_000  # nanoseconds from the end of a goal to where the one that has pre-empted it begins
 BEGINS = 1_300_000_000  # the same where the turtle stands, or obeys its last command, until then
 STOP_TIMEOUT = 1.3  # seconds: a turtle obeys its last command for one
-STARS = 6  # times that of the first star, in which the check does what is left to do with one star more
+USUAL = 14.0  # seconds for a star that does not end, for others what they took
+STARS = 6  # times that, in which the check does what is left to do with one star more
 
 
 @dataclass
@@ -203,13 +204,17 @@ def star_server() -> None:
     answer(threads=None)
     client = expect_action("/drive_star", Polygon)
     star = _whole(trip, client, sides[0])
-    if trip.was_late(star) and not star.is_drawn() and time_left() > STARS * star.seconds:
+    usual = star.seconds if math.isfinite(star.seconds) else USUAL
+    if star.goal.accepted and trip.was_late(star) and not star.is_drawn() and time_left() > STARS * usual:
+        if star.goal.status is None:
+            star.goal.cancel(PATIENCE)
         trip.put_elsewhere(sides[0])
         star = _whole(trip, client, sides[0])
     require(
         "it accepts a goal, and the goal ends",
         star.goal.status is not None,
-        f"A goal with lines of {star.side:.2f} m is {star.goal.word} after {STAR_TIMEOUT:g} s.",
+        f"A goal with lines of {star.side:.2f} m is {star.goal.word} after {STAR_TIMEOUT:g} s, in which the turtle "
+        f"drove {paths.length(star.poses):.1f} m.",
     )
     unwanted = _cancelled(trip, client)
     trip.put_elsewhere(sum(sides))

@@ -85,7 +85,7 @@ def test_what_came_of_an_earlier_command_is_not_counted():
     early, late = (10 * SECOND, twist(2.0)), (10 * SECOND + SECOND // 2, twist(2.0))
     since = 10 * SECOND + SECOND // 4
     assert Commands([]).first_effect(since) == since
-    assert Commands([early]).first_effect(since) == 10 * SECOND + 1.1 * SECOND
+    assert Commands([early]).first_effect(since) == 12 * SECOND
     assert Commands([early, late]).first_effect(since) == late[0]
     assert Commands([(SECOND, twist(2.0))]).first_effect(since) == since
     poses = line(2.0, 60, begin=10 * SECOND)

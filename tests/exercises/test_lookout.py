@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 
 import pytest
@@ -10,6 +11,7 @@ from rclpy.node import Node
 
 from course_kit.examining.lookout import Lookout, Watched
 from course_kit.examining.station import Station
+from course_kit.examining.vocabulary_student import was_in_a_list_after
 from course_kit.spinning import context
 from tests.waiting import wait_until
 
@@ -83,3 +85,20 @@ def test_of_what_is_said_again_and_again_the_first_and_the_last_are_kept():
     kept = [(one.received, one.serialised) for one in heard._kept]
     assert kept == [(0, b"a"), (1, b"b"), (4, b"b"), (5, b"a"), (6, b"a"), (7, b"c")]
     assert heard.received == len(said)
+
+
+@pytest.mark.parametrize("is_late", [False, True])
+def test_a_topic_that_the_checker_leaves_late_may_have_been_in_a_list(lookout, node, examination, is_late):
+    lookout.watch("/turtle1/cmd_vel", Twist)
+    lookout.watch(TOPIC, Twist)
+    watched = lookout.watched[TOPIC]
+    earlier = node.create_publisher(Twist, TOPIC, 1)
+    wait_until(lambda: watched.is_open)
+    with lookout._lock if is_late else contextlib.nullcontext():  # as on a busy machine
+        node.destroy_publisher(earlier)
+        wait_until(lambda: is_late or not watched.is_open)
+        node.create_publisher(Twist, "turtle1/cmd_vel", 1)
+        wait_until(lambda: lookout._station.publishers("/turtle1/cmd_vel"))
+    wait_until(lambda: lookout.watched["/turtle1/cmd_vel"].appeared and not watched.is_open)
+    examination.student, examination.watched = lookout._station, lookout.watched
+    assert was_in_a_list_after("/pilot", "/turtle1/cmd_vel", TOPIC) == is_late
