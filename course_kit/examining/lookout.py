@@ -22,8 +22,9 @@ class Watched(Heard):
     def __init__(self, message_type: Any, topic: str) -> None:
         super().__init__(message_type, topic, changes=True)
         self.appeared: dict[bytes, int] = {}  # when each publisher was first seen, nanoseconds since the epoch
+        self.listed_before: set[bytes] = set()  # those publishers without which the topic was listed, just before
         self.is_open = False
-        self.closed = 0  # when the checker last left the topic, as above
+        self.is_listed = False  # though nobody publishes there: a subscription is left, a panel's or the checker's
 
 
 class Lookout:
@@ -62,14 +63,16 @@ class Lookout:
 
     def _look_at(self, one: Watched) -> None:
         publishers, now = topics.publishers(self._station.node, one.topic), time.time_ns()
-        for publisher in publishers:
-            one.appeared.setdefault(bytes(publisher.endpoint_gid), now)
+        new = {bytes(publisher.endpoint_gid) for publisher in publishers} - one.appeared.keys()
+        one.appeared |= dict.fromkeys(new, now)
+        if one.is_listed:
+            one.listed_before |= new
+        one.is_listed = not publishers and bool(topics.subscriptions(self._station.node, one.topic))
         is_there = any(map(_is_visible, publishers)) or bool(self._station.subscriptions(one.topic))
         if is_there and not one.is_open:
             self._station.subscribe(one)
         elif one.is_open and not is_there:
             one.subscription.close(wait=False)
-            one.closed = time.time_ns()
         one.is_open = is_there
 
 

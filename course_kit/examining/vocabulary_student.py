@@ -60,14 +60,12 @@ def heard_since_start(node: str, topic: str) -> Arrivals:
     return heard.of(publishers)
 
 
-def was_in_a_list_after(node: str, topic: str, watched: str) -> bool:
-    """Whether the checker still had a watched topic, which nobody else had, when a node came that publishes `topic`.
+def was_listed_before(node: str, topic: str) -> bool:
+    """Whether lists of topics may have had a watched topic before a node that publishes it was started.
 
-    Then a list of the topics that was made after that may have had it.
+    A panel of an earlier try may have subscribed to it, or still the checker.
     """
-    appeared = current().watched[topic].appeared
-    came = [appeared[publisher] for publisher in _publishers_of(node, topic) & appeared.keys()]
-    return bool(came) and current().watched[watched].closed >= min(came)
+    return bool(_publishers_of(node, topic) & current().watched[topic].listed_before)
 
 
 def commands_heard(topic: str) -> Commands:
