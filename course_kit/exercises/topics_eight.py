@@ -29,6 +29,7 @@ from course_kit.turtlesim.node import TurtleSim
 from course_kit.turtlesim.turtle import TICK
 
 OFF_MIDDLE = 0.35  # metres at most, in x and in y: there is room for two circles of 2.5 m, whatever the heading
+FIGURES = 3  # at most, where a simulator that ticked late led the turtle astray
 BEGIN_TIMEOUT = 10.0
 DRIVE_TIMEOUT = 90.0  # seconds of driving; two circles of 2.5 m at 0.5 m/s take 63 s
 REST = 3.0  # seconds for which the turtle may stand between the circles
@@ -83,10 +84,12 @@ def figure_of_eight() -> None:
     turtlesim = a_turtle()
     driven = hear_the_turtle()
     nobody_else("rt/turtle1/cmd_vel")
-    began = time.monotonic()
-    figure = _drive(turtlesim, driven)
-    if figure.was_disturbed and not figure.is_right and time_left() > time.monotonic() - began + BEGIN_TIMEOUT:
+    for _ in range(FIGURES):
+        began = time.monotonic()
         figure = _drive(turtlesim, driven)
+        is_judged = figure.is_right or not figure.was_disturbed
+        if is_judged or time_left() < time.monotonic() - began + BEGIN_TIMEOUT:
+            break
     first, second = figure.first, figure.second
     expect("the first circle is a whole one", _is_whole(first), _why_not_whole(first, "It turned by"))
     expect(

@@ -135,6 +135,7 @@ SHORT_QUEUE = changed(
 )
 
 ALL_ANEW = """
+stop()
 faults.stop()
 from course_kit.faults.surroundings import source_robot
 source_robot()
