@@ -214,7 +214,7 @@ def star_server() -> None:
         "it accepts a goal, and the goal ends",
         star.goal.status is not None,
         f"A goal with lines of {star.side:.2f} m is {star.goal.word} after {STAR_TIMEOUT:g} s, in which the turtle "
-        f"drove {paths.length(star.poses):.1f} m.",
+        f"drove {paths.length(star.poses):.1f} m and turned by {paths.turned(star.poses):.0f}°.",
     )
     unwanted = _cancelled(trip, client)
     trip.put_elsewhere(sum(sides))
