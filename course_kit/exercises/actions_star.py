@@ -76,7 +76,10 @@ class Star:
     @property
     def is_finished(self) -> bool:
         """Whether it succeeded, with the metres driven as the result: by the drawing, or as they were measured."""
-        return self.goal.word == "succeeded" and abs(self.distance - 5 * self.side) < LONGER * 5 * self.side
+        drawn = 5 * self.side
+        driven = paths.length(self.poses) if self.is_drawn(COASTED) else drawn
+        wrong = min(abs(self.distance - drawn), abs(self.distance - driven))
+        return self.goal.word == "succeeded" and wrong < LONGER * drawn
 
     @property
     def missed_by(self) -> float:
@@ -111,12 +114,19 @@ class Star:
 
     @property
     def wrong_feedback(self) -> float:
-        """By how many metres the feedback was wrong at the median; of the way to the end that was driven."""
+        """By how many metres the feedback was wrong at the median.
+
+        Of the way to the end that was driven, or that without what a busy machine had the turtle overshoot.
+        """
         times, poses = zip(*self.arrivals, strict=True)
         behind = [*accumulate((math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses)), initial=0.0)]
-        told = self.goal.told
-        errors = [abs(behind[-1] - np.interp(when, times, behind) - said.distance_left) for when, said in told]
-        return float(statistics.median(errors)) if errors else math.inf
+        left = [
+            (behind[-1] - float(np.interp(when, times, behind)), said.distance_left) for when, said in self.goal.told
+        ]
+        if not left or not behind[-1]:
+            return math.inf
+        parts = (1.0, 5 * self.side / behind[-1] if self.is_drawn(COASTED) else 1.0)
+        return min(statistics.median(abs(way * part - said) for way, said in left) for part in parts)
 
 
 def _velocities(pose: Any) -> tuple[float, float]:
