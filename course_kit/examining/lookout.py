@@ -67,7 +67,7 @@ class Lookout:
         one.appeared |= dict.fromkeys(new, now)
         if one.is_listed:
             one.listed_before |= new
-        one.is_listed = not publishers and bool(topics.subscriptions(self._station.node, one.topic))
+        one.is_listed = not publishers and self._station.node.count_subscribers(one.topic) > 0
         is_there = any(map(_is_visible, publishers)) or bool(self._station.subscriptions(one.topic))
         if is_there and not one.is_open:
             self._station.subscribe(one)

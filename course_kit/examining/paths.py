@@ -26,15 +26,15 @@ def length(poses: Poses) -> float:
     return sum(math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses))
 
 
-def turned(poses: Poses) -> float:
-    """Degrees that the turtle turned in all, to whichever side."""
-    return math.degrees(sum(abs(math.remainder(b.theta - a.theta, math.tau)) for a, b in pairwise(poses)))
-
-
 def headings(poses: Poses) -> list[float]:
     """The heading at each pose, counted on beyond half turns, from 0 at the first."""
     turns = (math.remainder(b.theta - a.theta, math.tau) for a, b in pairwise(poses))
     return list(accumulate(turns, initial=0.0))
+
+
+def turned(poses: Poses) -> float:
+    """Degrees that the turtle turned in all, to whichever side."""
+    return math.degrees(sum(abs(after - before) for before, after in pairwise(headings(poses))))
 
 
 def longest_jump(poses: Poses) -> float:

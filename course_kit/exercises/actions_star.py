@@ -3,12 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
-from dataclasses import dataclass, field
-from itertools import accumulate, pairwise
-from typing import Any
-
-import numpy as np
 
 from course_kit.examining import paths
 from course_kit.examining.exercise import exercise
@@ -23,118 +17,22 @@ from course_kit.examining.vocabulary import (
     time_left,
     wait,
 )
-from course_kit.examining.vocabulary_actions import Client, Goal, expect_action
+from course_kit.examining.vocabulary_actions import Client, expect_action
 from course_kit.examining.vocabulary_topics import hear_the_turtle, ticked_late
+from course_kit.exercises.actions_star_driven import CARRIED, CLEARLY_AWAY, COASTED, Star, is_away
 from course_kit.turtlesim.field import EXTENT, MIDDLE
 from course_kit.turtlesim.node import TurtleSim
 
 SMALL, BIG = (1.1, 1.3), (1.6, 1.8)  # metres of a line, from to: no constant is right for both
 ROOM = 1.7  # of the length of a line: whoever drives a pentagon stays away from the walls, too
-OFF = 0.25  # metres by which a point of the star may be missed
 AWAY = 0.3  # metres from where it began at which the turtle is back
-CLEARLY_AWAY = 0.45  # metres from there at which it is cancelled
 CLEAR = 0.6  # metres from the middle and from where the first star began at which a second is sent
-LONGER = 0.15  # the part by which the way may be longer or shorter than five lines
-COASTED = 1.5  # metres that the turtle may go on before it begins a star in the midst of another
-CARRIED = 0.3  # metres without a velocity: those of teleports
 TOLD = 1.5  # feedbacks a second, where the text says two
 STAR_TIMEOUT, HOME_TIMEOUT, ABORT_TIMEOUT = 42.0, 21.0, 1.5  # seconds, where the text says 40, 20 and 1
 PATIENCE = 4.0  # seconds for an abort where its time is not judged
-NOTICED = 300_000_000  # nanoseconds from the end of a goal to where the one that has pre-empted it begins
-BEGINS = 1_300_000_000  # the same where the turtle stands, or obeys its last command, until then
 STOP_TIMEOUT = 1.3  # seconds: a turtle obeys its last command for one
 USUAL = 14.0  # seconds for a star that does not end, for others what they took
 STARS = 6  # times that, in which the check does what is left to do with one star more
-
-
-@dataclass
-class Star:
-    """A goal, and how the turtle moved until it ended."""
-
-    side: float
-    goal: Goal
-    begun: int  # the number of the pose with which it was sent
-    other_ended: int = 0  # when the star that it pre-empted was aborted (nanoseconds since the epoch)
-    elsewhere: list[paths.Point] = field(default_factory=list)  # where it did not begin, and wrong ones may end
-    arrivals: list[tuple[int, Any]] = field(default_factory=list)  # when each pose came, and the pose
-
-    @property
-    def poses(self) -> list[Any]:
-        """Where the turtle was."""
-        return [pose for _, pose in self.arrivals]
-
-    @property
-    def seconds(self) -> float:
-        """How long the goal took."""
-        return (self.goal.ended or math.inf) - self.goal.sent
-
-    @property
-    def distance(self) -> float:
-        """The metres that the result says."""
-        return math.nan if self.goal.result is None else float(self.goal.result.distance)
-
-    @property
-    def is_finished(self) -> bool:
-        """Whether it succeeded, with the metres driven as the result: by the drawing, or as they were measured."""
-        drawn = 5 * self.side
-        driven = paths.length(self.poses) if self.is_drawn(COASTED) else drawn
-        wrong = min(abs(self.distance - drawn), abs(self.distance - driven))
-        return self.goal.word == "succeeded" and wrong < LONGER * drawn
-
-    @property
-    def missed_by(self) -> float:
-        """How far the turtle stayed from a point of the star that ends where it ended, at most, in metres."""
-        return paths.star_missed_by(self.poses, (self.poses[-1].x, self.poses[-1].y), self.side)
-
-    @property
-    def beginnings(self) -> list[Any]:
-        """Where it may have begun: where it was sent, or anywhere from there until it drove the turtle itself.
-
-        A star that drives to `elsewhere` first may keep the same velocity all the way, so its way there is left out.
-        """
-        places = [self.poses[0]]
-        for when, pose in self.arrivals[1:]:
-            is_commanded = _velocities(pose) != _velocities(places[-1])
-            if when > self.other_ended + (NOTICED if is_commanded else BEGINS):
-                break
-            places.append(pose)
-        return places[:1] + [pose for pose in places[1:] if _is_away(pose, self.elsewhere, CLEARLY_AWAY)]
-
-    @property
-    def gap(self) -> float:
-        """Metres from where it ended to where it began, or to the nearest place where it may have begun."""
-        end = self.poses[-1]
-        return min(math.dist((pose.x, pose.y), (end.x, end.y)) for pose in self.beginnings)
-
-    def is_drawn(self, coasted: float = 0.0) -> bool:
-        """Whether its way is a star that was driven, but for `coasted` metres before it began."""
-        wrong = abs(paths.length(self.poses) - 5 * self.side)
-        is_as_long = wrong < LONGER * 5 * self.side + coasted
-        return max(self.missed_by, self.gap) < OFF and is_as_long and paths.carried(self.poses) < CARRIED
-
-    @property
-    def wrong_feedback(self) -> float:
-        """By how many metres the feedback was wrong at the median.
-
-        Of the way to the end that was driven, or that without what a busy machine had the turtle overshoot.
-        """
-        times, poses = zip(*self.arrivals, strict=True)
-        behind = [*accumulate((math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(poses)), initial=0.0)]
-        left = [
-            (behind[-1] - float(np.interp(when, times, behind)), said.distance_left) for when, said in self.goal.told
-        ]
-        if not left or not behind[-1]:
-            return math.inf
-        parts = (1.0, 5 * self.side / behind[-1] if self.is_drawn(COASTED) else 1.0)
-        return min(statistics.median(abs(way * part - said) for way, said in left) for part in parts)
-
-
-def _velocities(pose: Any) -> tuple[float, float]:
-    return pose.linear_velocity, pose.angular_velocity
-
-
-def _is_away(pose: Any, places: list[paths.Point], metres: float) -> bool:
-    return all(math.dist((pose.x, pose.y), place) > metres for place in places)
 
 
 class Trip:
@@ -172,7 +70,7 @@ class Trip:
         elsewhere = [(MIDDLE, MIDDLE), self._places[-1]]
 
         def is_clear() -> bool:
-            return _is_away(self._driven.last, elsewhere, CLEAR) or first.goal.settled is not None
+            return is_away(self._driven.last, elsewhere, CLEAR) or first.goal.settled is not None
 
         wait(is_clear, 5.0, "the turtle to be clear of where the first star began", poll=0.02)
         star = self.send(client, side)
@@ -283,7 +181,7 @@ def _expect_stars(stars: list[Star]) -> None:
         "the goal succeeds, and the result is the metres driven",
         bad.is_finished,
         f"With lines of {bad.side:.2f} m it is {bad.goal.word}, with a distance of {bad.distance:.1f} m: drive all "
-        f"five lines, then `goal_handle.succeed()`, and return a result in which `distance` is {5 * bad.side:.1f}.",
+        f"five lines, then `goal_handle.succeed()`, and return a result in which `distance` is {bad.lines:.1f}.",
     )
     wrong = [star for n, star in enumerate(stars) if not star.is_drawn(n * COASTED)]
     bad = wrong[0] if wrong else stars[0]
@@ -291,7 +189,7 @@ def _expect_stars(stars: list[Star]) -> None:
         "the path is a star with five points",
         not wrong,
         f"With lines of {bad.side:.2f} m it missed a point by {bad.missed_by:.2f} m, ended {bad.gap:.2f} m from where "
-        f"it began, drove {paths.length(bad.poses):.1f} m in place of {5 * bad.side:.1f}, "
+        f"it began, drove {paths.length(bad.poses):.1f} m in place of {bad.lines:.1f}, "
         f"{paths.carried(bad.poses):.1f} m of them by teleports: at each point of a star the turtle turns by 144°, "
         "twice the angle of a pentagon.",
     )
@@ -305,7 +203,7 @@ def _expect_stars(stars: list[Star]) -> None:
         all(told),
         f"It came {rates[n]:.1f} times a second, began with {left[0]:.1f} and ended with {left[-1]:.1f}; on average it "
         f"was {errors[n]:.1f} m off. It is what is left of this line and of the lines after it, at the beginning "
-        f"{5 * stars[n].side:.1f}.",
+        f"{stars[n].lines:.1f}.",
     )
 
 

@@ -81,13 +81,13 @@ class Relayed:
 
     @property
     def delays(self) -> list[float]:
-        """Seconds from the sending of a pose to its coming, shortest first."""
-        return sorted((when - self.sent[n][0]) * 1e-9 for n, when in self.arrivals)
+        """Seconds from the sending of each of those poses to its coming."""
+        return [(when - self.sent[n][0]) * 1e-9 for n, when in self.arrivals]
 
     @property
     def unexplained(self) -> int:
         """How many steps are no ten, and the poses at their ends had not waited in a queue that may have lost some."""
-        late = [(when - self.sent[n][0]) * 1e-9 > BACKLOG for n, when in self.arrivals]
+        late = [delay > BACKLOG for delay in self.delays]
         return sum(step != 10 and not any(ends) for step, ends in zip(self.steps, pairwise(late), strict=True))
 
     def is_every_tenth(self, lost: int = 0) -> bool:
@@ -108,7 +108,7 @@ class Relayed:
     @property
     def usual_delay(self) -> float:
         """Half of the poses came in so many seconds at most; 0 if none is known."""
-        return self.delays[len(self.delays) // 2] if self.delays else 0.0
+        return sorted(self.delays)[len(self.delays) // 2] if self.delays else 0.0
 
     @property
     def may_be_disturbed(self) -> bool:

@@ -18,11 +18,10 @@ panel.close()
 ALL = '"/robot2/turtle1/cmd_vel", "/robot2/turtle1/pose", "/robot2/turtle1/color_sensor"'
 
 # The first simulator comes when the checker has no topic of an earlier second one any more; a panel may have one.
-ALONE = """import time
+ALONE = """from contextlib import suppress
 
-for _ in range(30):
-    if "/robot2/turtle1/pose" in dict(turtlesim.get_topic_names_and_types()):
-        time.sleep(0.1)
+with suppress(TimeoutError):
+    wait_for(lambda: "/robot2/turtle1/pose" not in dict(turtlesim.get_topic_names_and_types()), timeout=3)
 turtlesim = run(TurtleSim)
 """
 

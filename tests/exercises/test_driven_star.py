@@ -1,0 +1,54 @@
+"""Whether a star that was driven is one, and whether its result tells the metres."""
+
+from __future__ import annotations
+
+import math
+from itertools import accumulate, pairwise
+from types import SimpleNamespace
+
+import pytest
+from action_msgs.msg import GoalStatus
+from turtlesim.msg import Pose
+
+from course_kit.examining.vocabulary_actions import Goal
+from course_kit.exercises.actions_star_driven import Star
+
+SIDE = 1.2
+TICK = 16_000_000  # nanoseconds
+
+
+def corners(turn: float, side: float) -> list[tuple[float, float]]:
+    """Of five lines, with so many turns from each to the next."""
+    headings = [number * turn * math.tau for number in range(5)]
+    x = accumulate((side * math.cos(heading) for heading in headings), initial=5.0)
+    y = accumulate((side * math.sin(heading) for heading in headings), initial=5.0)
+    return list(zip(x, y, strict=True))
+
+
+def driven(points: list[tuple[float, float]], distance: float) -> Star:
+    """A star of SIDE that succeeded with a distance, along these points."""
+    places = [
+        (a[0] + (b[0] - a[0]) * part / 50, a[1] + (b[1] - a[1]) * part / 50)
+        for a, b in pairwise(points)
+        for part in range(1, 51)
+    ]
+    poses = [Pose(x=x, y=y, linear_velocity=2.0) for x, y in [points[0], *places]]
+    goal = Goal(None, None, accepted=True, status=GoalStatus.STATUS_SUCCEEDED)  # type: ignore[arg-type]
+    goal.result = SimpleNamespace(distance=distance)
+    arrivals = [(number * TICK, pose) for number, pose in enumerate(poses)]
+    # It coasts for a line's time until it begins.
+    return Star(SIDE, goal, 0, other_ended=50 * TICK, arrivals=arrivals)
+
+
+@pytest.mark.parametrize(("distance", "is_right"), [(6.0, True), (7.2, True), (9.0, False), (4.8, False)])
+def test_the_metres_of_the_drawing_and_those_that_were_measured_are_right(distance, is_right):
+    star = driven([(3.8, 5.0), *corners(2 / 5, SIDE)], distance)  # 1.2 m before it began
+    assert star.is_drawn(1.5) and not star.is_drawn()
+    assert star.is_finished == is_right
+
+
+@pytest.mark.parametrize("distance", [6.0, 7.2])
+def test_measured_metres_of_what_is_no_star_are_not_right(distance):
+    pentagon = driven(corners(1 / 5, 1.2 * SIDE), distance)
+    assert not pentagon.is_drawn(1.5)
+    assert pentagon.is_finished == (distance == 6.0)

@@ -1,0 +1,38 @@
+"""Which relays are every tenth pose, also where a queue lost some."""
+
+from __future__ import annotations
+
+import pytest
+from turtlesim.msg import Pose
+
+from course_kit.exercises.topics_relay import EQUAL, Relayed
+
+PERIOD, SOON, LATE = 16_000_000, 1_000_000, 50_000_000  # nanoseconds
+EACH_TENTH = list(range(9, 100, 10))
+TWO_LATER = [9, 19, 30, 40, 51, 61, 71, 81, 91]
+
+
+def relayed(numbers: list[int], late: set[int]) -> Relayed:
+    """What came of 100 poses that differ and EQUAL that do not; three of these, and those with these numbers."""
+    sent = [(n * PERIOD, Pose(x=n / 8, y=n / 16, theta=n / 32)) for n in range(100)]
+    standing = [(n * PERIOD, Pose(x=50.0)) for n in range(100, 100 + EQUAL)]
+    came = [(sent[n][0] + (LATE if n in late else SOON), sent[n][1]) for n in numbers]
+    return Relayed(sent, 100, standing, [*came, *((when + SOON, pose) for when, pose in standing[::10])])
+
+
+def test_each_tenth_is_right():
+    right = relayed(EACH_TENTH, set())
+    assert right.is_every_tenth() and right.is_at_once and not right.may_be_disturbed
+
+
+@pytest.mark.parametrize(("late", "unexplained"), [(set(), 2), ({30}, 1), ({19, 30, 51}, 0)])
+def test_a_step_beside_a_pose_that_waited_is_explained(late, unexplained):
+    lossy = relayed(TWO_LATER, late)
+    assert lossy.unexplained == unexplained
+    assert lossy.may_be_disturbed and not lossy.is_every_tenth()
+    assert lossy.is_every_tenth(lost=1) == (unexplained <= 1)
+
+
+def test_what_comes_too_early_is_not_lost():
+    early = relayed([9, 18, 28, 38, 48, 58, 68, 78, 88, 98], {9, 18})
+    assert not early.may_be_disturbed and not early.is_every_tenth(lost=1)
