@@ -15,6 +15,7 @@ from course_kit.examining.lookout import Watched
 from course_kit.examining.station import Station
 from course_kit.examining.verdict import Finding
 from course_kit.polling import wait_until
+from course_kit.watching import topics
 
 POLL = 0.005
 WORKSPACE = "ros2_ws"  # the chapter's, beside the notebook
@@ -76,6 +77,9 @@ class Examination:
         return holds
 
     def _refuse(self, strangers: list[str]) -> None:
+        # An end is known a little before the node that it belongs to.
+        wait_until(lambda: topics.UNNAMED not in self.stage.strangers(*self.only_for_the_answer), 1.0)
+        strangers = self.stage.strangers(*self.only_for_the_answer) or strangers
         text = "only your node takes part"
         hint = (
             f"{', '.join(strangers)} of another process or context has an end of the exercise's topics, services or "

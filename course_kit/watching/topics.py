@@ -19,6 +19,7 @@ from course_kit import interface_types
 from course_kit.polling import wait_until
 
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"  # as rmw has it
+UNNAMED = "a node whose name has not arrived yet"
 MATCH_TIMEOUT = 2.0  # seconds given to publishers and subscriptions that are there already to find each other
 MISMATCH_TIMEOUT = 3.0  # seconds after which those that have not found each other do not fit
 # How many messages the middleware keeps while Python is busy elsewhere; it takes memory only for those that wait.
@@ -84,7 +85,7 @@ def type_name(message_type: Any) -> str:
 def node_name(endpoint: TopicEndpointInfo) -> str:
     """The full name of the node that an endpoint belongs to."""
     if endpoint.node_name == UNKNOWN_NODE:
-        return "a node whose name has not arrived yet"
+        return UNNAMED
     return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
