@@ -22,6 +22,7 @@ class Watched(Heard):
     def __init__(self, message_type: Any, topic: str) -> None:
         super().__init__(message_type, topic, changes=True)
         self.appeared: dict[bytes, int] = {}  # when each publisher was first seen, nanoseconds since the epoch
+        self.present: set[bytes] = set()  # the publishers that were there at the last look
         self.listed_before: set[bytes] = set()  # those publishers without which the topic was listed, just before
         self.is_open = False
         self.is_listed = False  # though nobody publishes there: a subscription is left, a panel's or the checker's
@@ -63,10 +64,13 @@ class Lookout:
 
     def _look_at(self, one: Watched) -> None:
         publishers, now = topics.publishers(self._station.node, one.topic), time.time_ns()
-        new = {bytes(publisher.endpoint_gid) for publisher in publishers} - one.appeared.keys()
+        present = {bytes(publisher.endpoint_gid) for publisher in publishers}
+        new = present - one.appeared.keys()
         one.appeared |= dict.fromkeys(new, now)
-        if one.is_listed:
+        # On a busy machine all publishers may have changed since the last look, with the checker's subscription there.
+        if one.is_listed or (one.is_open and present.isdisjoint(one.present)):
             one.listed_before |= new
+        one.present = present
         one.is_listed = not publishers and self._station.node.count_subscribers(one.topic) > 0
         is_there = any(map(_is_visible, publishers)) or bool(self._station.subscriptions(one.topic))
         if is_there and not one.is_open:

@@ -105,3 +105,19 @@ def test_a_topic_may_be_listed_before_it_is_published(lookout, node, examination
     wait_until(lambda: len(watched.appeared) == 2)
     assert was_listed_before("/pilot", TOPIC) == is_left
     panel.destroy_node()
+
+
+def test_publishers_that_all_change_between_two_looks_leave_the_topic_listed(lookout, node, examination):
+    lookout.watch(TOPIC, Twist)
+    watched, station = lookout.watched[TOPIC], lookout._station
+    examination.student, examination.watched = station, lookout.watched
+    earlier = node.create_publisher(Twist, TOPIC, 1)
+    wait_until(lambda: watched.is_open)
+    (old,) = watched.present
+    with lookout._lock:  # as on a busy machine
+        node.destroy_publisher(earlier)
+        node.create_publisher(Twist, TOPIC, 1)
+        wait_until(lambda: [end for end in station.publishers(TOPIC) if bytes(end.endpoint_gid) != old])
+        wait_until(lambda: len(station.publishers(TOPIC)) == 1)
+    wait_until(lambda: len(watched.appeared) == 2)
+    assert was_listed_before("/pilot", TOPIC)
