@@ -16,6 +16,7 @@ from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
+    is_published,
     listen,
     publisher,
     values,
@@ -114,6 +115,7 @@ def _with_odd_ones(phrases: Sequence[str]) -> list[str]:
 def _ends() -> tuple[Publisher, Heard]:
     """Ends of /chatter and /loud that the node knows."""
     voice = publisher("/chatter", String)
+    is_published("/loud")  # whose topics come later than its name cannot be met yet
     answers = listen("/loud", String)
     expect_compatible_subscription("/chatter", voice)
     return voice, answers
