@@ -6,6 +6,7 @@ import math
 import re
 import time
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from rcl_interfaces.msg import Log, LoggerLevel
@@ -32,6 +33,7 @@ LATE = 0.1  # seconds that a busy node may be behind
 AHEAD = 60  # lines among which a pose's is looked for: what else is logged stands between
 QUIET = 0.4  # seconds without a line of DEBUG
 LOOK = 0.05  # seconds from one look at all lines to the next
+DRIVEN = 0.3  # metres between two poses that came, at most, for the turtle to have driven and not jumped
 ASKED = 4  # times that its level is to be set: a busy machine may not answer in time
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.(\d*))?(?:e[-+]?\d+)?")
 
@@ -133,7 +135,7 @@ def _fault_of_infos(turtle: _Turtle, when: str, began: int = 0) -> str:
     wait(lambda: _told(began), LISTENED_LONGEST - (time.time_ns() - began) * 1e-9, poll=LOOK)
     told, seconds = _told(began), (time.time_ns() - began) * 1e-9
     others = [line for line in _lines_since(began, INFO) if line not in told]
-    wrong = [line for line in told if not any(_shows(line.message.msg[4:], x) for x in turtle.xs(*_about(line)))]
+    wrong = [line for line in told if not _tells_of(turtle.xs(*_about(line)), line.message.msg[4:])]
     span = _logged_at(told[-1]) - _logged_at(told[0]) if told else 0.0
     hint = f"{when}In {seconds:.0f} s it logged {len(told)} lines `x = …` as INFO or above{_such_as(told)}"
     if not told:
@@ -205,6 +207,13 @@ def _shows(text: str, x: float) -> bool:
     """Whether a number in a text is x, to as many decimals as it has."""
     found = [(float(match[0]), len(match[1] or "")) for match in NUMBER.finditer(text)]
     return any(abs(number - x) <= 1.01 * 10.0**-decimals + 1e-4 for number, decimals in found)
+
+
+def _tells_of(xs: Sequence[float], text: str) -> bool:
+    """Whether a number in a text is one of these x, or lies between two of a drive: a busy machine loses poses."""
+    numbers = [float(match[0]) for match in NUMBER.finditer(text)]
+    drives = [sorted(step) for step in pairwise(xs) if abs(step[1] - step[0]) < DRIVEN]
+    return any(_shows(text, x) for x in xs) or any(low < n < high for n in numbers for low, high in drives)
 
 
 def _is_quiet() -> bool:
