@@ -10,6 +10,7 @@ import threading
 import time
 from collections.abc import Mapping
 from multiprocessing import Pipe
+from multiprocessing.connection import Client
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,11 @@ import rclpy
 from course_kit.checking import surroundings
 from course_kit.examining import answer_host
 from course_kit.examining.channel import Channel, Closed, Message, TooLong
-from course_kit.examining.verdict import NOT_LOOKED_AT, Verdict
+from course_kit.examining.verdict import GRADED, NOT_LOOKED_AT, Verdict
 from course_kit.programs.child_process import Process
 
 START_TIMEOUT = 20.0  # seconds until the checker answers at all
+GRADER = "COURSE_KIT_GRADER"  # names the socket of a grader's checker, in the environment that a kernel starts with
 GRACE = 6.0  # seconds that a check may take more than its exercise says: discovery before, tidying after
 
 
@@ -36,19 +38,57 @@ class Stuck(RuntimeError):  # noqa: N818
 class CheckerProcess:
     """The checker's process."""
 
-    def __init__(self, domain: int | None) -> None:
-        """`domain`: the one in which the notebook's nodes are."""
+    def __init__(self, domain: int | None, additions: Mapping[str, str] | None = None) -> None:
+        """`domain`: the one in which the notebook's nodes are; `additions` to the checker's environment."""
         ours, theirs = Pipe()
         with theirs:
             # Isolated, with an environment of its own and in the root folder: nothing of a student's is loaded there.
             environment, paths = surroundings.of_checker(surroundings.at_start(), domain)
+            environment |= additions or {}
             self.domain = environment[surroundings.DOMAIN]
             command = [sys.executable, "-I", "-m", "course_kit.checking", str(theirs.fileno()), *paths]
             self.process = Process(
                 command, "checker", environment, Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
             )
         self.process.begin()
-        self._channel = Channel(ours)
+        self.channel = Channel(ours)
+
+    @property
+    def pid(self) -> int | None:
+        """The process, if it runs."""
+        return self.process.pid if self.process.is_running else None
+
+    def close(self, patience: float) -> None:
+        """End it: it leaves ROS in good order when the connection closes, and is killed if it does not."""
+        self.channel.close()
+        with contextlib.suppress(TimeoutError):
+            self.process.wait(patience)
+            return
+        self.process.stop(0.1)
+
+
+class GradersChecker:
+    """The checker of a grader, which listens at a socket and keeps the verdicts to itself."""
+
+    domain = ""  # it is where the grader has started it
+    pid = None
+
+    def __init__(self, address: str) -> None:
+        try:
+            self.channel = Channel(Client(address, "AF_UNIX"))
+        except OSError as error:
+            raise Refused(f"the grader cannot be reached at {address}: {error.strerror}") from None
+
+    def close(self, patience: float) -> None:
+        """Leave it."""
+        self.channel.close()
+
+
+class _Conversation:
+    """A question to a checker, and what it orders meanwhile."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
 
     def ask(self, exercise: str, value: Any, names: Mapping[str, Any], seed: int | None) -> Verdict:
         """Have an exercise checked. Raises Refused, or Stuck."""
@@ -76,6 +116,8 @@ class CheckerProcess:
                 raise Refused(str(message["refused"]))
             elif "verdict" in message:
                 return Verdict.from_json(message["verdict"])
+            elif "graded" in message:
+                return Verdict(str(message["graded"]), str(message["title"]), 0, GRADED)
         raise Stuck("the checker did not answer in time")
 
     def _obey(self, order: Message, names: Mapping[str, Any]) -> None:
@@ -85,16 +127,8 @@ class CheckerProcess:
         except TooLong as error:
             self._channel.send({"answer": order["order"], "error": f"what it gave cannot be looked at: {error}"})
 
-    def close(self, patience: float) -> None:
-        """End it: it leaves ROS in good order when the connection closes, and is killed if it does not."""
-        self._channel.close()
-        with contextlib.suppress(TimeoutError):
-            self.process.wait(patience)
-            return
-        self.process.stop(0.1)
 
-
-_checker: CheckerProcess | None = None
+_checker: CheckerProcess | GradersChecker | None = None
 _lock = threading.Lock()
 
 
@@ -108,7 +142,7 @@ def ask(exercise: str, value: Any, names: Mapping[str, Any], seed: int | None = 
         reason = ""
         for _ in range(2):
             try:
-                return _running().ask(exercise, value, names, seed)
+                return _Conversation(_running().channel).ask(exercise, value, names, seed)
             except Stuck as stuck:
                 reason = str(stuck)
                 _replace()
@@ -122,14 +156,18 @@ def ask(exercise: str, value: Any, names: Mapping[str, Any], seed: int | None = 
 
 def pid() -> int | None:
     """The process of the checker, if it runs."""
-    return _checker.process.pid if _checker is not None and _checker.process.is_running else None
+    return _checker.pid if _checker is not None else None
 
 
-def _running() -> CheckerProcess:
+def _running() -> CheckerProcess | GradersChecker:
     global _checker
+    if grader := surroundings.at_start().get(GRADER):
+        if _checker is None:
+            _checker = GradersChecker(grader)
+        return _checker
     domain = rclpy.get_default_context().get_domain_id() if rclpy.ok() else None
     is_elsewhere = _checker is not None and domain is not None and str(domain) != _checker.domain
-    if _checker is not None and (is_elsewhere or not _checker.process.is_running):
+    if _checker is not None and (is_elsewhere or _checker.pid is None):
         _replace()
     if _checker is None:
         _checker = CheckerProcess(domain)

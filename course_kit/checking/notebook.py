@@ -9,9 +9,10 @@ from typing import Any
 from course_kit import kernel
 from course_kit.checking import client, progress
 from course_kit.examining.channel import as_json
-from course_kit.examining.verdict import NOT_BEGUN, Verdict
+from course_kit.examining.verdict import GRADED, NOT_BEGUN, Verdict
 
 STRICT = "COURSE_KIT_STRICT"
+_points_only = False
 
 
 def check(exercise: str, value: Any = None, seed: int | None = None) -> None:
@@ -29,6 +30,9 @@ def check(exercise: str, value: Any = None, seed: int | None = None) -> None:
         print(f"check: {error}" if is_refused else f"check: {exercise} could not be checked: {error}")
         _be_strict(str(error))
         return
+    if _points_only or verdict.state == GRADED:
+        print(verdict.heading)
+        return
     _show(verdict)
     try:
         if seed is None and (notice := progress.record(verdict)):
@@ -37,6 +41,12 @@ def check(exercise: str, value: Any = None, seed: int | None = None) -> None:
         print(f"check: your points could not be kept: {error}")
     if verdict.state != NOT_BEGUN and not verdict.is_full:
         _be_strict(str(verdict))
+
+
+def show_points_only() -> None:
+    """Have checks show nothing that varies from one to the next, as in a notebook that a grader has rebuilt."""
+    global _points_only
+    _points_only = True
 
 
 def _be_strict(reason: str) -> None:

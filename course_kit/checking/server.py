@@ -23,7 +23,7 @@ from course_kit.examining.examination import WORKSPACE, Ended, Examination, OutO
 from course_kit.examining.exercise import Exercise
 from course_kit.examining.lookout import Lookout
 from course_kit.examining.station import Station
-from course_kit.examining.verdict import LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
+from course_kit.examining.verdict import IN_TIME, LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 
 DISCOVERY_TIMEOUT = 3.0
 LOG_TOPIC = "/rosout"
@@ -98,7 +98,7 @@ class Checker:
         except OutOfTime:
             what = f" Waited last for {running.waiting_for}." if running.waiting_for else ""
             hint = f"The check ends after {exercise.timeout:g} s.{what} Does a callback block, or loop without end?"
-            running.findings.append(Finding("comes to an end in time", False, hint))
+            running.findings.append(Finding(IN_TIME, False, hint))
         except own_types.Uncompiled as error:
             state, note = NOT_LOOKED_AT, f"The checker has no types of its own: {error}"
         except Closed:

@@ -18,6 +18,7 @@ from rclpy.serialization import deserialize_message
 from course_kit.examining.node_log import NodeLog
 from course_kit.internals.fastdds_parts import PARTICIPANT_SIZE, Origin
 from course_kit.polling import wait_until
+from course_kit.programs.process_ids import own_ids
 from course_kit.ros_graph import discovery, graph
 from course_kit.spinning import context as ros_context
 from course_kit.spinning.executors import SpinThread
@@ -158,7 +159,7 @@ class Station:
 
     def examine_processes(self, pids: Iterable[int]) -> None:
         """Let what these processes do count."""
-        self._processes |= {pid & 0xFFFF for pid in pids}
+        self._processes |= {pid & 0xFFFF for pid in own_ids(pids)}
 
     def counts(self, endpoint: bytes) -> bool:
         """Whether an endpoint, by its id, is one of the answer."""
@@ -184,7 +185,7 @@ class Station:
             if not (self.counts(bytes(end.endpoint_gid)) or self.is_own(bytes(end.endpoint_gid)))
         ]
         if ends:  # those of a killed process are listed for a while
-            alive = {pid & 0xFFFF for pid in psutil.pids()}
+            alive = {pid & 0xFFFF for pid in own_ids(psutil.pids())}
             origins = [Origin.of(bytes(end.endpoint_gid)) for end in ends]
             ends = [e for e, origin in zip(ends, origins, strict=True) if origin is None or origin.pid_bits in alive]
         return sorted({topics.node_name(end) for end in ends})

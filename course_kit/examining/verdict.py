@@ -9,6 +9,10 @@ from typing import Any
 NOT_BEGUN = "not begun"
 LOOKED_AT = "looked at"
 NOT_LOOKED_AT = "could not look"  # the checker itself failed: nothing is said about the answer
+GRADED = "examined; the grader has the verdict"
+
+
+IN_TIME = "comes to an end in time"  # what a check finds that does not
 
 
 @dataclass(frozen=True)

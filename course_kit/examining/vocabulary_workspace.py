@@ -110,7 +110,9 @@ def start(*command: str) -> Process:
         hint = f"{', '.join(names)} has the name of a module of ROS or of the course, and would be loaded in its place."
         require("no module of the workspace stands in the way", False, f"{hint} Give it another name, and build again.")
     words = workspace_terminal.command(command)
-    process = Process(words, " ".join(command), workspace_terminal.environment(), folder())
+    process = Process(
+        [*workspace_terminal.confined(), *words], " ".join(command), workspace_terminal.environment(), folder()
+    )
     current().ending.callback(process.stop, STOP_PATIENCE)
     current().programs.append(process.pid)
     process.begin()

@@ -5,6 +5,7 @@ No script of the workspace is run for that, and none of its modules can take the
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Sequence
@@ -24,6 +25,7 @@ sys.path += [entry for entry in os.environ.get("PYTHONPATH", "").split(os.pathse
 from course_kit.ros2.command import main
 main()
 """
+CONFINED = "COURSE_KIT_CONFINED"
 OURS = ("course_kit", "rclpy", "sitecustomize", "usercustomize")  # modules that no workspace has
 
 
@@ -52,6 +54,11 @@ def command(words: Sequence[str]) -> list[str]:
     apts = Path(ros.prefix, "bin/ros2") if ros is not None else None
     own = [sys.executable, "-I", "-c", OWN_ROS2]
     return [*([str(apts)] if apts is not None and os.access(apts, os.X_OK) else own), *words[1:]]
+
+
+def confined() -> list[str]:
+    """What a command is put behind that runs a student's program apart: a grader says it."""
+    return list(json.loads(os.environ.get(CONFINED, "[]")))
 
 
 def in_the_way() -> list[str]:

@@ -10,31 +10,6 @@ from tests.exercises import (
     answers_actions_west,
 )
 
-CELLS = (
-    "actions-what-parts",
-    "actions-server-class",
-    "actions-server-execute-method",
-    "actions-server-destroy-method",
-    "actions-client-class",
-    "actions-cancel-class",
-    "actions-cancel-execute",
-    "actions-polygon-provide",
-    "actions-polygon-node",
-    "actions-polygon-pose",
-    "actions-polygon-corners",
-    "actions-polygon-drive",
-    "actions-polygon-execute",
-)
-PREPARE = """
-import math
-
-from rclpy.action import GoalResponse
-
-from course_kit import run, wait_for
-
-PolygonServer.drive, PolygonServer.execute = drive, execute
-"""
-
 ANSWERS = [
     answers_actions_west.ANSWERS,
     answers_actions_countdown.ANSWERS,

@@ -12,22 +12,6 @@ from tests.exercises import (
 )
 from tests.exercises.chapter import Answers, Wrong, changed
 
-CELLS = ()  # of the chapter that are run: what they import is below, and their nodes are not needed
-PREPARE = """
-import math
-import time
-
-from geometry_msgs.msg import Twist
-from rclpy.logging import LoggingSeverity, set_logger_level
-from rclpy.node import Node
-from rclpy.qos import qos_profile_sensor_data
-from sensor_msgs.msg import LaserScan
-from turtlesim.msg import Pose
-
-from course_kit import bags, faults, run, start, stop, wait_for
-from course_kit.turtlesim import TurtleSim
-"""
-
 KEEPS = """
 stop()
 kept, lossy = "/speed_limit", "/scan"

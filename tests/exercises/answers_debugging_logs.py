@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.exercises.chapter import Answers, Wrong, changed
 
 QUIET = """
+from rclpy.logging import LoggingSeverity, set_logger_level
 stop()
 set_logger_level("quiet", LoggingSeverity.INFO)
 
@@ -28,6 +29,7 @@ IS_DETAILED = "self.get_logger().get_effective_level() == 10"
 LOUD_AT_DEBUG = f"        if {IS_DETAILED}: self.get_logger().info(text)\n        else: self.get_logger().info(text"
 
 CHILD = """
+from rclpy.logging import LoggingSeverity, set_logger_level
 stop()
 set_logger_level("quiet", LoggingSeverity.INFO)
 from rclpy.qos import qos_profile_sensor_data as anyhow
@@ -50,6 +52,7 @@ turtlesim, quiet = run(TurtleSim), run(Quiet)
 """
 
 TIMER = """
+from rclpy.logging import LoggingSeverity, set_logger_level
 stop()
 set_logger_level("quiet", LoggingSeverity.INFO)
 from rclpy.lifecycle import LifecycleNode
@@ -74,6 +77,7 @@ turtlesim, quiet = run(TurtleSim), run(Quiet)
 """
 
 DRIVEN = """
+from rclpy.logging import LoggingSeverity, set_logger_level
 stop()
 set_logger_level("quiet", LoggingSeverity.INFO)
 import threading

@@ -10,17 +10,6 @@ from tests.exercises import (
 )
 from tests.exercises.chapter import Answers, Wrong, changed
 
-CELLS = ()  # of the chapter that are run: what they import is below
-PREPARE = """
-import rclpy
-from example_interfaces.srv import AddTwoInts
-from rclpy.node import Node
-
-from course_kit import run, wait_for
-
-rclpy.init()
-"""
-
 LAMP = """
 from std_srvs.srv import SetBool, Trigger
 

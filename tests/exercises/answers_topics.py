@@ -7,18 +7,6 @@ from tests.exercises import answers_topics_eight as eight
 from tests.exercises import answers_topics_styles as styles
 from tests.exercises.chapter import Answers, Wrong, changed
 
-CELLS = ()  # of the chapter that are run: what they import is below
-PREPARE = """
-import math
-
-from geometry_msgs.msg import Twist
-from rclpy.node import Node
-from turtlesim.msg import Pose
-
-from course_kit import run
-"""
-
-
 SCAN_COUNTER = """
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan

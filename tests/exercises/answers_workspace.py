@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from tests.exercises import workspace_batteries, workspace_greeters, workspace_patrols, workspace_rooms
-from tests.exercises.workspace_cells import CELLS, PREPARE
+from tests.exercises.workspace_cells import PREPARE
 
-__all__ = ["ANSWERS", "CELLS", "PREPARE"]
+__all__ = ["ANSWERS", "PREPARE"]
 
 CHAPTER = workspace_greeters, workspace_rooms, workspace_batteries, workspace_patrols
 ANSWERS = [answers for module in CHAPTER for answers in module.ANSWERS]

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import importlib
 import tempfile
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-import nbformat
 import pytest
 
 from course_kit.exercises import CHAPTERS
+from course_kit.grading import master
+from course_kit.grading.master import mark_of
+from course_kit.grading.rebuild import START, prerequisites
 from tests.domains import own_domain
 from tests.kernel import Kernel
 
@@ -68,18 +70,18 @@ class Chapter:
 
     def __init__(self, kernel: Kernel, path: Path) -> None:
         self.kernel = kernel
-        self.cells = {cell.id: cell for cell in nbformat.read(path, as_version=4).cells}
+        self.master = master.Chapter(path)
+        self.cells = {cell.id: cell for cell in self.master.notebook.cells}
         self._by_role = {
-            (cell.metadata.course_kit.role, cell.metadata.course_kit.exercise): cell
+            (mark["role"], mark["exercise"]): cell
             for cell in self.cells.values()
-            if "course_kit" in cell.metadata
+            if "exercise" in (mark := mark_of(cell))
         }
 
-    def run_chapter(self, only: Collection[str] | None = None) -> None:
-        """Run every code cell that belongs to no exercise, or those of these ids."""
-        for cell in self.cells.values():
-            if cell.cell_type == "code" and "course_kit" not in cell.metadata and (only is None or cell.id in only):
-                self.kernel.run(cell.source, CELL_TIMEOUT)
+    def run_prerequisites(self) -> None:
+        """Run what the exercises stand on, and nothing else: it is all that a grader runs."""
+        for source in [START, *(cell.source for cell in prerequisites(self.master))]:
+            self.kernel.run(source, CELL_TIMEOUT)
 
     def source(self, role: str, exercise: str) -> str:
         return str(self._by_role[role, exercise].source)
@@ -105,7 +107,7 @@ class Chapter:
 def answers_to(name: str) -> ModuleType:
     """The module with the ANSWERS to a chapter's exercises.
 
-    It has CELLS, the ids of the cells to be run, and PREPARE, what is run after them, where not all are run.
+    It has PREPARE, what the tests' answers are made with, where they need something besides.
     """
     return importlib.import_module(f"tests.exercises.answers_{name}")
 
@@ -114,16 +116,15 @@ def answers_to(name: str) -> ModuleType:
 def chapter(name: str) -> Iterator[Chapter]:
     """The kernel of a chapter, such as "topics", run up to the exercises; its folder, state and domain are its own."""
     path, answers = FOLDER / f"{NOTEBOOKS[name]}.ipynb", answers_to(name)
-    only, prepare = getattr(answers, "CELLS", None), getattr(answers, "PREPARE", "")
+    prepare = getattr(answers, "PREPARE", "")
     with tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
         with own_domain(), pytest.MonkeyPatch.context() as patch:
             patch.setenv("XDG_STATE_HOME", state)
             kernel = Kernel(Path(folder))
         try:
             made = Chapter(kernel, path)
-            made.run_chapter(only)
+            made.run_prerequisites()
             kernel.run(prepare, CELL_TIMEOUT)
-            kernel.run("from course_kit import check")  # stands in the first check cell, which a test may leave out
             yield made
         finally:
             kernel.close()

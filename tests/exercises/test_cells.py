@@ -16,7 +16,7 @@ CELLS = {
     (cell.metadata.course_kit.role, cell.metadata.course_kit.exercise): cell
     for path in PATHS
     for cell in nbformat.read(path, as_version=4).cells
-    if "course_kit" in cell.metadata
+    if "exercise" in cell.metadata.get("course_kit", {})
 }
 
 

@@ -1,23 +1,9 @@
-"""What the answers to chapter 2's exercises stand on: its cells, and how packages are made and built."""
+"""How the answers to chapter 2's exercises make their packages and build them."""
 
 from __future__ import annotations
 
-# The cells of the chapter that its exercises stand on, and what the cells between them would have done.
-CELLS = (
-    "workspace-make",
-    "workspace-package",
-    "workspace-package-files",
-    "workspace-nodes-spin",
-    "workspace-nodes-talker",
-    "workspace-register-lines",
-    "workspace-parameters-talker",
-)
 PREPARE = r'''
-import shutil, subprocess
-from rclpy.node import Node
-
-ws.build("--packages-select", "my_first_pkg")
-ws.use()
+import subprocess
 
 
 def merged_no_more():

@@ -1,0 +1,280 @@
+"""A rebuilt notebook run with nbval in a sandbox, as often as it takes until each of its exercises has its verdict.
+
+An answer that ends its kernel, or all of the sandbox, costs its own points; the others are run again without it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import psutil  # type: ignore[import-untyped]
+
+from course_kit.checking import client, surroundings
+from course_kit.examining.verdict import IN_TIME, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
+from course_kit.examining.workspace_terminal import CONFINED
+from course_kit.grading import sandbox
+from course_kit.grading.domains import a_domain
+from course_kit.grading.job import BEGUN, FOUND, JOB, LINES, SRC, Job
+from course_kit.grading.master import Chapter, Task
+from course_kit.grading.rebuild import rebuilt
+from course_kit.grading.results import ExerciseResult
+from course_kit.grading.sandbox import IN_SANDBOX, Limits, Places
+from course_kit.programs.child_process import Process
+
+KERNEL = "graded"
+TIME_OVER = "All was ended because the time was over"
+POLL = 0.1  # seconds from one look at what the sandbox uses to the next
+START = 90.0  # seconds that a kernel, the checker and the prerequisites have besides the cells
+stop = threading.Event()  # set: whatever runs here ends, and nothing else begins
+TRIES = 2  # of a notebook whose first cells fail, which is none of the student's doing
+
+
+class Stopped(Exception):  # noqa: N818  (reads as what happened)
+    """Grading was ended before its end."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How notebooks are run."""
+
+    timeout: float = 120.0  # seconds of a cell
+    limits: Limits = field(default_factory=Limits)
+    is_apart: bool = True  # in sandboxes
+    seeds: Mapping[str, int] = field(default_factory=dict)  # of checks to be repeated as they were
+
+
+@dataclass(frozen=True)
+class Found:
+    """What one exercise came to, and whether the machine was too busy for it to count yet."""
+
+    result: ExerciseResult
+    stalled: float = 0.0  # the share of its time in which processes waited for a processor
+    is_late: bool = False  # whether it did not come to an end in time
+
+
+def grade(
+    chapter: Chapter,
+    sources: Mapping[str, str],
+    only: Collection[str],
+    settings: Settings,
+    workspace: Mapping[str, bytes] | None = None,
+) -> dict[str, Found]:
+    """Grade these exercises of a chapter; the answers to others are run, too, for one may build on another."""
+    tasks = {task.name: task for task in chapter.tasks}
+    # Who has handed a workspace in may have solved an exercise with an editor and a terminal.
+    begun_ones = set(tasks if workspace else sources)
+    found = {name: Found(ExerciseResult(_verdict(tasks[name], NOT_BEGUN))) for name in only if name not in begun_ones}
+    kept, left = dict(sources), [name for name in tasks if name in only and name in begun_ones]
+    failures = 0
+    while left:
+        with _Run(chapter, kept, left, settings, workspace or {}) as run:
+            run.wait()
+            lines, why = run.lines(), run.why
+        done = {line[FOUND]: line for line in lines if FOUND in line}
+        found |= {name: _found(tasks[name], line) for name, line in done.items()}
+        begun = [line[BEGUN] for line in lines if BEGUN in line]
+        culprit = begun[-1] if begun and begun[-1] not in done else None
+        if culprit is not None and culprit not in found:
+            found[culprit] = Found(ExerciseResult(_ended(tasks[culprit], why)), is_late=why == TIME_OVER)
+        if culprit is not None:
+            kept.pop(culprit, None)
+        for name, line in done.items():  # its kernel ended in the check
+            if line["verdict"] is None and name == (begun[-1] if begun else None):
+                kept.pop(name, None)
+        if not begun:
+            failures += 1
+        left = [name for name in left if name not in found]
+        if failures == TRIES:
+            shown = "; ".join(str(line.get("shown", "")) for line in lines if "failed" in line) or why
+            note = f"The cells that the exercises stand on did not run: {shown}"
+            found |= {name: Found(ExerciseResult(_verdict(tasks[name], NOT_LOOKED_AT, note))) for name in left}
+            break
+    return found
+
+
+def _verdict(task: Task, state: str, note: str = "") -> Verdict:
+    return Verdict(task.name, task.title, task.points, state, note=note)
+
+
+def _ended(task: Task, why: str) -> Verdict:
+    finding = Finding("its cells run to their end", False, f"{why or 'The kernel ended'} while they ran.")
+    return Verdict(task.name, task.title, task.points, findings=(finding,))
+
+
+def _found(task: Task, line: Mapping[str, Any]) -> Found:
+    if line["verdict"] is not None:
+        verdict = Verdict.from_json(line["verdict"])
+    else:
+        hint = f"It said: {line['printed']}" if line["printed"] else "The kernel did not ask for it."
+        verdict = Verdict(task.name, task.title, task.points, findings=(Finding("its check runs", False, hint),))
+    is_late = verdict.state == NOT_LOOKED_AT or any(f.text == IN_TIME and not f.ok for f in verdict.findings)
+    return Found(ExerciseResult(verdict, line["shown"], line["seconds"]), line["stalled"], is_late)
+
+
+class _Run:
+    """One run of a notebook."""
+
+    def __init__(
+        self,
+        chapter: Chapter,
+        sources: Mapping[str, str],
+        only: Collection[str],
+        settings: Settings,
+        workspace: Mapping[str, bytes],
+    ) -> None:
+        self._settings = settings
+        self._stack = contextlib.ExitStack()
+        self.why = ""  # what ended it, if it did not end by itself
+        outside = Path(self._stack.enter_context(_folder()))
+        self._job = outside / "job"
+        for name in ("job", "work/notebooks", "work/home", "work/tmp", "run"):
+            (outside / name).mkdir(parents=True)
+        places = IN_SANDBOX if settings.is_apart else Places(self._job, outside / "work", outside / "run")
+        domain = 1 if settings.is_apart else self._stack.enter_context(a_domain())
+        environment, paths = surroundings.of_checker(surroundings.at_start(), domain)
+        self._write(chapter, sources, only, places, environment, paths, workspace)
+        cells = sum(cell.cell_type == "code" for cell in chapter.notebook.cells)
+        self._deadline = time.monotonic() + START + settings.timeout * min(cells, 4 * len(sources) + 2)
+        command = [
+            sys.executable,
+            "-I",
+            "-m",
+            "course_kit.grading.run_nbval",
+            *paths,
+            "--",
+            *self._pytest(places, chapter),
+        ]
+        if settings.is_apart:
+            command = [*sandbox.outer(self._job, settings.limits), *command]
+        # In TMPDIR lies the connection file, which the kernel must be able to read.
+        trusted = {"HOME": "/tmp", "TMPDIR": str(places.run)} if settings.is_apart else {}
+        trusted |= {"JUPYTER_PATH": str(places.job / "jupyter"), "COURSE_KIT_JOB": str(places.job)}
+        self._process = Process(command, "grading", {**environment, **trusted}, self._job, in_terminal=False)
+        self._process.begin()
+
+    def _pytest(self, places: Places, chapter: Chapter) -> list[str]:
+        notebook = str(places.job / chapter.path.name)
+        return [
+            *("--nbval", notebook, "-p", "course_kit.grading.nbval_plugin", "-p", "no:cacheprovider", "-q"),
+            *("-p", "no:timeout", "--rootdir", str(places.job), "-c", "/dev/null", "--tb=line", "--color=no"),
+            *("--nbval-kernel-name", KERNEL, "--nbval-cell-timeout", str(self._settings.timeout)),
+        ]
+
+    def _write(
+        self,
+        chapter: Chapter,
+        sources: Mapping[str, str],
+        only: Collection[str],
+        places: Places,
+        environment: Mapping[str, str],
+        paths: list[str],
+        workspace: Mapping[str, bytes],
+    ) -> None:
+        """Put into the job's folder what the processes need."""
+        nbformat.write(rebuilt(chapter, sources, only, bool(workspace)), self._job / chapter.path.name)
+        home, limits = {"HOME": str(places.work / "home"), "TMPDIR": str(places.work / "tmp")}, self._settings.limits
+        ours = {name: value for name, value in environment.items() if name not in ("HOME", "TMPDIR")}
+        ours |= {**home, "USER": "student", client.GRADER: str(places.socket)}
+        if paths:
+            ours["PYTHONPATH"] = os.pathsep.join(paths)
+        kernel = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
+        confined = sandbox.limited(limits)
+        if self._settings.is_apart:
+            kernel = [*sandbox.inner(places, ours, limits), *kernel]
+            confined = sandbox.inner(places, home, limits, only=False)
+        else:
+            into = 'cd "$1" && shift && exec "$@"'
+            settings = [f"{name}={value}" for name, value in ours.items()]
+            kernel = [
+                "env",
+                "-i",
+                *settings,
+                *confined,
+                "sh",
+                "-c",
+                into,
+                "sh",
+                str(places.work / "notebooks"),
+                *kernel,
+            ]
+        spec = {"argv": kernel, "display_name": KERNEL, "language": "python", "interrupt_mode": "message"}
+        folder = self._job / "jupyter/kernels" / KERNEL
+        folder.mkdir(parents=True)
+        (folder / "kernel.json").write_text(json.dumps(spec))
+        additions = {CONFINED: json.dumps(confined), **({"TMPDIR": "/tmp"} if self._settings.is_apart else {})}
+        job = Job(str(places.socket), str(places.work / "notebooks"), additions, dict(self._settings.seeds))
+        (self._job / JOB).write_text(json.dumps(job.to_json()))
+        for path, data in workspace.items():
+            (file := self._job / SRC / path).parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(data)
+
+    def wait(self) -> None:
+        """Wait for its end; end it where it uses more than it may."""
+        while self._process.is_running and not self.why:
+            if stop.is_set():
+                raise Stopped
+            self.why = self._excess()
+            if not self.why:
+                with contextlib.suppress(TimeoutError):
+                    self._process.wait(POLL)
+
+    def _excess(self) -> str:
+        """What it uses more of than it may, in words; nothing if it does not."""
+        limits, memory, count = self._settings.limits, 0, 0
+        with contextlib.suppress(psutil.Error):
+            for process in psutil.Process(self._process.pid).children(recursive=True):
+                with contextlib.suppress(psutil.Error):
+                    memory += process.memory_info().rss
+                    count += 1
+        if count > limits.processes:
+            return f"All was ended because there were more than {limits.processes} processes"
+        if memory > limits.memory:
+            return f"All was ended because more than {limits.memory / sandbox.MB:.0f} MB of memory were used"
+        if time.monotonic() > self._deadline:
+            return TIME_OVER
+        return ""
+
+    def lines(self) -> list[dict[str, Any]]:
+        """What was written down."""
+        lines = []
+        with contextlib.suppress(FileNotFoundError, ValueError):  # killed before the first, or within the last
+            for line in (self._job / LINES).read_text().splitlines():
+                lines.append(json.loads(line))
+        if not lines and not self.why:
+            self.why = " / ".join(self._process.lines[-5:])
+        return lines
+
+    def __enter__(self) -> _Run:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self._process.stop(0.1)
+        self._stack.close()
+
+
+@contextlib.contextmanager
+def _folder() -> Iterator[str]:
+    """A private folder that goes, whatever a student has done to the rights of what lies in it."""
+    made = tempfile.mkdtemp(prefix="course-grading-")
+    try:
+        yield made
+    finally:
+        for place, folders, _ in os.walk(made):
+            for name in folders:
+                with contextlib.suppress(OSError):
+                    os.chmod(os.path.join(place, name), 0o700, follow_symlinks=True) if not os.path.islink(
+                        os.path.join(place, name)
+                    ) else None
+        shutil.rmtree(made, ignore_errors=True)
