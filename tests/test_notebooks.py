@@ -15,6 +15,8 @@ from typing import Any
 import nbformat
 import pytest
 
+from course_kit.grading import master
+from course_kit.grading.definitions import definitions
 from tests.lab import CHROMIUM
 
 ROOT = Path(__file__).parents[1]
@@ -113,6 +115,19 @@ def test_every_exercise_has_a_cell_for_its_answer_and_one_that_checks_it(path):
             roles[mark["role"]].append((mark["exercise"], mark["points"]))
     assert roles["exercise"] == roles["answer"] == roles["check"]
     assert len(roles["exercise"]) >= 4
+
+
+@of_each
+def test_what_is_graded_is_what_the_chapter_says(path):
+    """After a change of a chapter: python -m course_kit.grading.master."""
+    assert (master.MASTERS / path.name).read_text() == master.stripped(nbformat.read(path, as_version=4))
+
+
+@of_each
+def test_every_cell_that_defines_something_is_marked_for_grading(path):
+    """An answer may build on it; but for what imports packages that a student has built meanwhile."""
+    unmarked = [c.id for c in cells(path) if c.cell_type == "code" and not master.mark_of(c) and definitions(c.source)]
+    assert unmarked == [name for name in ["workspace-interfaces-imported"] if name.startswith(cells(path)[0].id[:9])]
 
 
 @of_each

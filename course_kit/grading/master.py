@@ -1,7 +1,12 @@
-"""The course's own notebooks, which hand-ins are rebuilt from: their exercises and cells. Pure: no ROS."""
+"""The course's own notebooks, which hand-ins are rebuilt from: their exercises and cells. Pure: no ROS.
+
+`python -m course_kit.grading.master` takes them from notebooks/ after a change there. They are kept apart, without what
+grading does not need, because a student's answers stand in those of notebooks/.
+"""
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +17,8 @@ from typing import Any
 import nbformat
 
 NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
+MASTERS = Path(__file__).with_name("masters")
+PATTERN = "[0-9][0-9]_*.ipynb"
 EXERCISE, ANSWER, CHECK, PREREQUISITE = "exercise", "answer", "check", "prerequisite"  # what a cell can be
 
 
@@ -54,6 +61,11 @@ class Chapter:
             if (mark := mark_of(cell)).get("role") == EXERCISE
         )
 
+    @cached_property
+    def ids(self) -> frozenset[str]:
+        """The ids of all its cells, those too that are not in a master."""
+        return frozenset(self.notebook.metadata.get("cells") or [cell.id for cell in self.notebook.cells])
+
     def cell(self, role: str, exercise: str) -> nbformat.NotebookNode:
         """The cell that is the text of an exercise, its answer or its check."""
         wanted = (role, exercise)
@@ -65,17 +77,14 @@ def mark_of(cell: Any) -> dict[str, Any]:
     return dict(cell.get("metadata", {}).get("course_kit", {}))
 
 
-def chapters(folder: Path = NOTEBOOKS) -> list[Chapter]:
-    """The chapters, in order. FileNotFoundError where there are none."""
-    found = [Chapter(path) for path in sorted(folder.glob("[0-9][0-9]_*.ipynb"))]
-    if not found:
-        raise FileNotFoundError(f"the course's own notebooks are not in {folder}: grade in a clone of the course")
-    return found
+def chapters() -> list[Chapter]:
+    """The chapters, in order."""
+    return [Chapter(path) for path in sorted(MASTERS.glob(PATTERN))]
 
 
-def tasks(only: Sequence[str] = (), in_chapters: Sequence[str] = (), folder: Path = NOTEBOOKS) -> list[Task]:
+def tasks(only: Sequence[str] = (), in_chapters: Sequence[str] = ()) -> list[Task]:
     """The exercises of these names and chapters, in order; all unless given. ValueError for one that is not there."""
-    all_tasks = [task for chapter in chapters(folder) for task in chapter.tasks]
+    all_tasks = [task for chapter in chapters() for task in chapter.tasks]
     for wanted, there in ((only, [t.name for t in all_tasks]), (in_chapters, [*{t.chapter: 0 for t in all_tasks}])):
         if unknown := [name for name in wanted if name not in there]:
             raise ValueError(f"there is no {', '.join(unknown)} in the course; there are {', '.join(there)}")
@@ -84,3 +93,23 @@ def tasks(only: Sequence[str] = (), in_chapters: Sequence[str] = (), folder: Pat
         for task in all_tasks
         if (not only or task.name in only) and (not in_chapters or task.chapter in in_chapters)
     ]
+
+
+def stripped(notebook: nbformat.NotebookNode) -> str:
+    """What grading needs of a chapter: the marked cells, without outputs."""
+    cells = [copy.deepcopy(cell) for cell in notebook.cells if mark_of(cell)]
+    for cell in cells:
+        if cell.cell_type == "code":
+            cell.outputs, cell.execution_count = [], None
+    metadata = {"kernelspec": notebook.metadata.kernelspec, "cells": [cell.id for cell in notebook.cells]}
+    return nbformat.writes(nbformat.v4.new_notebook(metadata=metadata, cells=cells)) + "\n"
+
+
+def main() -> None:
+    """Take the masters from the chapters."""
+    for path in sorted(NOTEBOOKS.glob(PATTERN)):
+        (MASTERS / path.name).write_text(stripped(nbformat.read(path, as_version=4)))
+
+
+if __name__ == "__main__":
+    main()

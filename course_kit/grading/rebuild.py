@@ -65,9 +65,9 @@ def answers_of(data: bytes, name: str, chapter: Chapter) -> Answers:
             notes.append(f"{task.name}: {problem.format(cell=f'the answer cell {own.id} of {name}')}")
         elif (source := _source_of(same[0])).strip() != own.source.strip():
             sources[task.name] = source
-    known = {cell.id for cell in chapter.notebook.cells}
-    if added := sum(cell.get("cell_type") == "code" and cell_id not in known for cell_id, cell in found):
-        cells_text = "1 cell of your own was" if added == 1 else f"{added} cells of your own were"
+    added = [cell for cell_id, cell in found if cell_id not in chapter.ids and cell.get("cell_type") == "code"]
+    if count := sum(bool((_source_of(cell) or "").strip()) for cell in added):
+        cells_text = "1 cell of your own was" if count == 1 else f"{count} cells of your own were"
         notes.append(f"In {name}, {cells_text} left out: only what stands in the answer cells is graded.")
     return Answers(sources, tuple(notes))
 

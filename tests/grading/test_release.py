@@ -143,8 +143,7 @@ def test_the_clone_stays_as_it_is(own, tmp_path):
 def test_students_get_all_but_what_is_the_instructors_and_the_maintainers(course, contents):
     tracked = git(course, "ls-files", "-z").split("\0")[:-1]
     left = {path for path in tracked if path not in contents}
-    assert {path.split("/")[0] for path in left} == {".ci", "CONTRIBUTING.md", "course_kit", "tests"}
-    assert all(path.startswith("course_kit/grading/") for path in left if path.startswith("course_kit"))
+    assert {path.split("/")[0] for path in left} == {".ci", "CONTRIBUTING.md", "tests"}
     assert set(contents) - set(tracked) == {"manifest.json"}
     assert ".gitignore" in contents
     changed = {path for path in set(contents) & set(tracked) if contents[path] != (course / path).read_bytes()}
@@ -161,12 +160,6 @@ def test_no_solution_is_in_it(contents):
     assert len(references) > 25
     told = [name for name, source in references.items() if all(map(is_there, map(str.strip, source.splitlines())))]
     assert told == []
-
-
-def test_nothing_in_it_needs_the_grading_but_the_command(contents):
-    needs = re.compile(rb"course_kit\.grading|from course_kit import .*\bgrading\b")
-    programs = [path for path, content in contents.items() if path.endswith(".py") and needs.search(content)]
-    assert set(programs) <= {"course_kit/course_command.py"}
 
 
 def test_the_readme_says_only_what_is_true_there(course, contents):
@@ -273,7 +266,7 @@ def test_the_fault_labs_programs_are_files(course, unpacked):
         assert installed.read_bytes() == (course / f"course_kit/faults/programs/{program}.py").read_bytes()
 
 
-def test_progress_is_shown_without_the_grading(unpacked, tmp_path):
+def test_progress_is_shown(unpacked, tmp_path):
     command = (sys.executable, "-m", "course_kit.course_command", "progress")
     shown = run(unpacked, *command, XDG_STATE_HOME=str(tmp_path))
     assert (shown.returncode, shown.stderr) == (0, "")
