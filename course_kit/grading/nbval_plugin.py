@@ -70,7 +70,8 @@ class Grading:
             self._write(**{FOUND: exercise, **self._found(item)})
         elif getattr(item, "failure", "") and role in (PREREQUISITE, None):
             self._write(failed=item.cell.id, shown=shown(item))
-        if kernel is None or not kernel.is_alive() or self._examiner.is_stuck:
+        is_silent = role == CHECK and getattr(item, "verdict", None) is None  # what it runs may be no check any more
+        if kernel is None or not kernel.is_alive() or self._examiner.is_stuck or is_silent:
             item.session.shouldstop = "the kernel has ended"
         return done
 

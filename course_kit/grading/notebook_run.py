@@ -90,8 +90,8 @@ def grade(
             found[culprit] = Found(ExerciseResult(_ended(tasks[culprit], why)), is_late=why == TIME_OVER)
         if culprit is not None:
             kept.pop(culprit, None)
-        for name, line in done.items():  # its kernel ended in the check
-            if line["verdict"] is None and name == (begun[-1] if begun else None):
+        for name, line in done.items():
+            if line["verdict"] is None:  # its kernel ended in the check, or checks no more
                 kept.pop(name, None)
         if not begun:
             failures += 1

@@ -1,0 +1,188 @@
+"""A class graded by `course grade`, as its instructor does it: the points, the files, what is used again, a cluster."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import psutil  # type: ignore[import-untyped]
+import pytest
+
+from course_kit.grading import class_run, handins, sandbox, submission
+from course_kit.grading.notebook_run import Settings
+from tests.grading.classes import ASKED, CHAPTER, FORMATS, NAME, Student, exported, students
+from tests.grading.handed_in import CHAPTERS, hand_in, references
+from tests.waiting import wait_until
+
+COURSE = [sys.executable, "-m", "course_kit.course_command"]
+SIZE = 60
+pytestmark = [pytest.mark.timeout(900), pytest.mark.xdist_group("grading a class")]
+SLOW = pytest.mark.slow("grades a student after the other")
+
+
+def grade(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [*COURSE, "grade", *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=850)
+
+
+def rows(out: Path) -> dict[str, dict[str, str]]:
+    with open(out / "grades.csv", newline="", encoding="utf-8-sig") as file:
+        return {row["student"]: row for row in csv.DictReader(file)}
+
+
+@SLOW
+@pytest.mark.parametrize("form", FORMATS)
+def test_a_class_of_sixty_gets_the_expected_points(form: str, tmp_path: Path):
+    """Ten of them in each format."""
+    part = list(students(SIZE))[FORMATS.index(form) * 10 :][:10]
+    handed_in, out = exported(tmp_path / "handed in", form, part), tmp_path / "grades"
+    done = grade(str(handed_in), "--out", str(out), "--only", *ASKED, "--jobs", "4", "--timeout", "60")
+    assert done.returncode == 0, done.stderr
+    got = rows(out)
+    assert len(got) == len(part)
+
+    def of(student: Student) -> dict[str, str]:
+        return next(row for name, row in got.items() if student.name in name)
+
+    wrong = {s.name: (s.points, of(s)) for s in part if tuple(int(of(s)[name]) for name in ASKED) != s.points}
+    assert wrong == {}
+    late = {s.name for s in part if "late" in of(s)["late"].lower()}
+    assert late == ({s.name for s in part if s.is_late} if form == "canvas" else set())
+    assert {path.suffix for path in (out / "feedback").iterdir()} == {".html"}
+    assert len(list((out / "feedback").iterdir())) == len(part) + 1
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    """Two students: one all right, one not begun."""
+    hand_in(tmp_path / "small/ada", CHAPTER, {"services-1": references(CHAPTER)["services-1"]})
+    hand_in(tmp_path / "small/bob", CHAPTER, {})
+    return tmp_path / "small"
+
+
+def test_what_was_graded_is_used_again_as_long_as_nothing_changes(small: Path, tmp_path: Path):
+    out = tmp_path / "grades"
+    arguments = [str(small), "--out", str(out), "--only", "services-1"]
+    first = grade(*arguments)
+    assert first.returncode == 0, first.stderr
+    assert {name: row["total"] for name, row in rows(out).items()} == {"ada": "2", "bob": "0"}
+    kept = {path: path.stat().st_mtime_ns for path in (out / class_run.KEPT).iterdir()}
+    pages = {path: path.read_bytes() for path in out.rglob("*") if path.suffix in (".html", ".csv", ".json")}
+    assert grade(*arguments).returncode == 0
+    assert {path: path.stat().st_mtime_ns for path in (out / class_run.KEPT).iterdir()} == kept
+    assert {path: path.read_bytes() for path in pages} == pages
+    hand_in(small / "bob", CHAPTER, {"services-1": "class Lamp:\n    pass"})
+    assert grade(*arguments).returncode == 0
+    assert len(list((out / class_run.KEPT).iterdir())) == len(kept) + 1
+
+
+def test_ones_own_work_is_shown_and_the_status_tells_the_points(small: Path):
+    done = grade(".", "--only", "services-1", folder=small / "ada")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("services-1 · A lamp: 2 of 2 points\n✔")
+    done = grade(".", "--only", "services-1", folder=small / "bob")
+    assert done.returncode == 1
+    assert done.stdout.startswith("services-1 · A lamp: not begun")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["nowhere", "--out", "grades"], "nowhere"),
+        ([".", "--only", "services-9"], "there is no services-9 in the course"),
+        ([".", "--only", "services-1", "--chapter", "topics"], "none of these exercises"),
+        ([".", "--jobs", "0"], "1 or more"),
+        ([".", "--timeout", "nan"], "from 1 to 86400"),
+        ([".", "--only", "services-1", "--scheduler", "tcp://127.0.0.1:9"], "no scheduler of Dask answers"),
+    ],
+)
+def test_what_cannot_be_graded_is_said_in_a_line(arguments: Sequence[str], says: str, small: Path):
+    done = grade(*arguments, folder=small)
+    assert done.returncode == 2
+    assert says in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_ctrl_c_ends_it_cleanly_and_the_next_run_goes_on(small: Path, tmp_path: Path):
+    out = tmp_path / "grades"
+    hand_in(small / "eve", CHAPTER, {"services-1": "import time\ntime.sleep(3600)"})
+    command = [*COURSE, "grade", str(small), "--out", str(out), "--only", "services-1", "--jobs", "1"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
+        wait_until(lambda: len(list(out.glob("graded/*"))) >= 2, timeout=60)  # eve's is the last
+        started = psutil.Process(running.pid).children(recursive=True)
+        running.send_signal(signal.SIGINT)
+        _, said = running.communicate(timeout=30)
+    assert running.returncode == 130, said
+    assert "goes on where this one was" in said
+    assert "Traceback" not in said
+    _, alive = psutil.wait_procs(started, timeout=10)
+    assert alive == []
+    assert not (out / "grades.csv").exists()
+
+
+@pytest.mark.skipif(not sandbox.is_available(), reason="bubblewrap is not here, or may not make namespaces")
+def test_two_that_are_graded_beside_each_other_do_not_meet(tmp_path: Path):
+    look = """
+import time
+from rclpy.node import Node
+from course_kit import run
+seen = run(Node, "{name}")
+time.sleep(8)
+print(sorted(name for name in seen.get_node_names() if not name.startswith("_")))
+"""
+    for name in ("ada", "bob"):
+        hand_in(tmp_path / name, CHAPTER, {"services-1": look.format(name=name)})
+    found = handins.find(tmp_path, [NAME])
+    works = [submission.read(one, [CHAPTERS[CHAPTER]], ["services-1"]) for one in found]
+    results = class_run.ClassRun(Settings(60.0), 2).grade(works, lambda result: None)
+    shown = {result.student: result.exercises[0].shown for result in results}
+    assert "['ada']" in shown["ada"]
+    assert "['bob']" in shown["bob"]
+
+
+@pytest.fixture
+def workers() -> Iterator[str]:
+    """The address of a Dask cluster of four worker processes."""
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=4, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        yield cluster.scheduler_address
+
+
+@SLOW
+def test_a_cluster_grades_the_same_also_when_a_worker_is_killed(workers: str, tmp_path: Path):
+    part = list(students(10))
+    handed_in, out = exported(tmp_path / "handed in", "folders", part), tmp_path / "grades"
+    command = [*COURSE, "grade", str(handed_in), "--out", str(out), "--only", *ASKED, "--scheduler", workers]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
+        wait_until(lambda: len(list(out.glob("graded/*"))) >= 2, timeout=120)
+        victim = next(
+            child
+            for child in psutil.Process().children(recursive=True)
+            if any("run_nbval" in " ".join(below.cmdline()) for below in child.children())
+        )
+        os.kill(victim.pid, signal.SIGKILL)
+        _, said = running.communicate(timeout=600)
+    assert running.returncode == 0, said
+    got = rows(out)
+    assert {s.name: tuple(int(got[s.name][name]) for name in ASKED) for s in part} == {s.name: s.points for s in part}
+
+
+@pytest.mark.skipif(not sandbox.is_available(), reason="bubblewrap is not here, or may not make namespaces")
+@SLOW
+def test_nothing_of_it_is_left(small: Path, tmp_path: Path):
+    before = {process.pid for process in psutil.process_iter()}
+    shared = set(os.listdir("/dev/shm"))
+    began = time.time()
+    assert grade(str(small), "--out", str(tmp_path / "grades"), "--only", "services-1").returncode == 0
+    named = [p for p in psutil.process_iter(["create_time", "cmdline"]) if p.pid not in before]
+    ours = [p for p in named if p.info["create_time"] >= began and "grading" in " ".join(p.info["cmdline"] or [])]
+    assert ours == []
+    assert {name for name in set(os.listdir("/dev/shm")) - shared if "fastrtps" in name} == set()
+    assert json.loads((tmp_path / "grades/grades.json").read_text())["protection"] == sandbox.APART
