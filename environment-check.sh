@@ -307,6 +307,7 @@ main() {
             start_lab "${@:2}"
             ;;
         test)
+            [[ -d tests ]] || die "the tests hold solutions, so the students' edition is without. \`lab\` opens the course."
             prepare
             run_tests "${@:2}"
             ;;

@@ -23,7 +23,7 @@ from course_kit.grading.master import ANSWER, CHECK, EXERCISE, mark_of
 CLONE = Path(__file__).parents[2]
 TOP, MANIFEST, FORMAT = "ros2-notebook-course", "manifest.json", 1
 # Solutions, and what only those need who change the course. Students keep `course grade .`.
-LEFT_OUT = (".ci/", "CONTRIBUTING.md", "tests/")
+LEFT_OUT = (".ci/", "CONTRIBUTING.md", "docs/instructors.md", "tests/")
 MODES = {"100644": 0o644, "100755": 0o755}  # as git keeps them: those of the disk depend on umask and file system
 NOTEBOOK = re.compile(r"notebooks/\d\d_\w+\.ipynb")
 PROJECT = re.compile(rf'^name = "{TOP}"\nversion = "(.+)"$', re.MULTILINE)
