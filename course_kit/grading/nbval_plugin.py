@@ -65,7 +65,7 @@ class Grading:
         done = yield
         kernel = item.parent.kernel
         if role == ANSWER:
-            self._answer["shown"] = shown(item)
+            self._answer |= {"shown": shown(item), "is_interrupted": bool(item.parent.timed_out)}
         elif role == CHECK:
             self._write(**{FOUND: exercise, **self._found(item)})
         elif getattr(item, "failure", "") and role in (PREREQUISITE, None):
@@ -97,6 +97,7 @@ class Grading:
             "verdict": None if verdict is None else asdict(verdict),
             "printed": "" if verdict is not None else shown(item),
             "shown": answer.get("shown", ""),
+            "is_interrupted": answer.get("is_interrupted", False),
             "seconds": time.monotonic() - answer.get("began", time.monotonic()),
             "stalled": answer["stall"].share() if "stall" in answer else 0.0,
         }

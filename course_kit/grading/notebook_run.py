@@ -14,7 +14,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -83,7 +83,7 @@ def grade(
             run.wait()
             lines, why = run.lines(), run.why
         done = {line[FOUND]: line for line in lines if FOUND in line}
-        found |= {name: _found(tasks[name], line) for name, line in done.items()}
+        found |= {name: _found(tasks[name], line, settings.timeout) for name, line in done.items()}
         begun = [line[BEGUN] for line in lines if BEGUN in line]
         culprit = begun[-1] if begun and begun[-1] not in done else None
         if culprit is not None and culprit not in found:
@@ -113,12 +113,15 @@ def _ended(task: Task, why: str) -> Verdict:
     return Verdict(task.name, task.title, task.points, findings=(finding,))
 
 
-def _found(task: Task, line: Mapping[str, Any]) -> Found:
+def _found(task: Task, line: Mapping[str, Any], timeout: float) -> Found:
     if line["verdict"] is not None:
         verdict = Verdict.from_json(line["verdict"])
     else:
         hint = f"It said: {line['printed']}" if line["printed"] else "The kernel did not ask for it."
         verdict = Verdict(task.name, task.title, task.points, findings=(Finding("its check runs", False, hint),))
+    if line["is_interrupted"]:
+        note = f"The cell of the answer did not end within {timeout:g} s, and was interrupted. {verdict.note}"
+        verdict = replace(verdict, note=note.strip())
     is_late = verdict.state == NOT_LOOKED_AT or any(f.text == IN_TIME and not f.ok for f in verdict.findings)
     return Found(ExerciseResult(verdict, line["shown"], line["seconds"]), line["stalled"], is_late)
 
