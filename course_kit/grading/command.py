@@ -57,7 +57,7 @@ def add_verbs(verbs: Any) -> None:
         "--jobs", type=_count, default=os.cpu_count() or 1, metavar="N", help="at once; unless given, %(default)s"
     )
     grade.add_argument(
-        "--timeout", type=_seconds, default=Settings.timeout, metavar="S", help="seconds of a cell; %(default)g"
+        "--timeout", type=_seconds, default=Settings.timeout, metavar="S", help="seconds of an answer; %(default)g"
     )
     grade.add_argument("--only", nargs="+", default=[], metavar="EXERCISE", help="such as topics-2")
     grade.add_argument("--chapter", nargs="+", default=[], metavar="CHAPTER", help="such as topics")

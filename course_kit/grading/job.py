@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+CHECK_TIMEOUT = 300.0  # seconds of the other cells; the checker ends its checks by itself
 JOB, LINES = "job.json", "found.jsonl"  # in the job's folder: what is to be done, and what was found
 SRC = "src"  # there, too: the workspace that was handed in
 BEGUN, FOUND = "begun", "found"

@@ -20,7 +20,7 @@ from typing import Any
 import pytest
 
 from course_kit.grading.examiner import Examiner
-from course_kit.grading.job import BEGUN, FOUND, JOB, LINES, SRC, Job
+from course_kit.grading.job import BEGUN, CHECK_TIMEOUT, FOUND, JOB, LINES, SRC, Job
 from course_kit.grading.machine_load import Stall
 from course_kit.grading.master import ANSWER, CHECK, PREREQUISITE, mark_of
 from course_kit.grading.rebuild import HANDED_IN
@@ -33,7 +33,8 @@ POLL = 0.5  # seconds after which one looks whether the kernel still lives
 class Grading:
     """The grading of one notebook."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, timeout: float) -> None:
+        self._timeout = timeout  # seconds of an answer's cell
         self._job = Job.from_json(json.loads((folder / JOB).read_text()))
         self._lines = open(folder / LINES, "a", buffering=1)  # noqa: SIM115  (closed in pytest_unconfigure)
         self._examiner = Examiner(self._job.socket, Path(self._job.work), self._job.additions, self._job.seeds)
@@ -56,6 +57,7 @@ class Grading:
         """Run a cell; have the exercise of a check cell examined meanwhile."""
         mark, began = mark_of(item.cell), time.monotonic()
         role, exercise = mark.get("role"), mark.get("exercise", "")
+        item.config.option.nbval_cell_timeout = self._timeout if role == ANSWER else CHECK_TIMEOUT
         item.parent.timed_out = False  # a cell that was interrupted costs the others nothing
         if role == ANSWER:
             self._write(**{BEGUN: exercise})
@@ -158,4 +160,5 @@ def shown(item: Any) -> str:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Begin the job."""
-    config.pluginmanager.register(Grading(Path(os.environ["COURSE_KIT_JOB"])), "course-grading")
+    grading = Grading(Path(os.environ["COURSE_KIT_JOB"]), config.option.nbval_cell_timeout)
+    config.pluginmanager.register(grading, "course-grading")

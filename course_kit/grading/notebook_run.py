@@ -26,7 +26,7 @@ from course_kit.examining.verdict import IN_TIME, NOT_BEGUN, NOT_LOOKED_AT, Find
 from course_kit.examining.workspace_terminal import CONFINED
 from course_kit.grading import sandbox
 from course_kit.grading.domains import a_domain
-from course_kit.grading.job import BEGUN, FOUND, JOB, LINES, SRC, Job
+from course_kit.grading.job import BEGUN, CHECK_TIMEOUT, FOUND, JOB, LINES, SRC, Job
 from course_kit.grading.master import Chapter, Task
 from course_kit.grading.rebuild import rebuilt
 from course_kit.grading.results import ExerciseResult
@@ -35,6 +35,7 @@ from course_kit.programs.child_process import Process
 
 KERNEL = "graded"
 TIME_OVER = "All was ended because the time was over"
+LONGEST_BASE = 60  # characters: the address of a socket has 107 at most
 POLL = 0.1  # seconds from one look at what the sandbox uses to the next
 START = 90.0  # seconds that a kernel, the checker and the prerequisites have besides the cells
 stop = threading.Event()  # set: whatever runs here ends, and nothing else begins
@@ -49,7 +50,7 @@ class Stopped(Exception):  # noqa: N818  (reads as what happened)
 class Settings:
     """How notebooks are run."""
 
-    timeout: float = 120.0  # seconds of a cell
+    timeout: float = 120.0  # seconds of an answer's cell
     limits: Limits = field(default_factory=Limits)
     is_apart: bool = True  # in sandboxes
     seeds: Mapping[str, int] = field(default_factory=dict)  # of checks to be repeated as they were
@@ -148,8 +149,7 @@ class _Run:
         domain = 1 if settings.is_apart else self._stack.enter_context(a_domain())
         environment, paths = surroundings.of_checker(surroundings.at_start(), domain)
         self._write(chapter, sources, only, places, environment, paths, workspace)
-        cells = sum(cell.cell_type == "code" for cell in chapter.notebook.cells)
-        self._deadline = time.monotonic() + START + settings.timeout * min(cells, 4 * len(sources) + 2)
+        self._deadline = time.monotonic() + START + settings.timeout * len(sources) + CHECK_TIMEOUT * len(only)
         command = [
             sys.executable,
             "-I",
@@ -270,7 +270,8 @@ class _Run:
 @contextlib.contextmanager
 def _folder() -> Iterator[str]:
     """A private folder that goes, whatever a student has done to the rights of what lies in it."""
-    made = tempfile.mkdtemp(prefix="course-grading-")
+    base = tempfile.gettempdir()
+    made = tempfile.mkdtemp(prefix="course-grading-", dir=base if len(base) < LONGEST_BASE else "/tmp")
     try:
         yield made
     finally:

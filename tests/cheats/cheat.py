@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from tests.exercises.answers_services import LAMP
-from tests.exercises.answers_setup import GREETER
 from tests.exercises.chapter import Wrong, answers_to
 
 # Where these stand in an answer, the test puts a file of this machine, and a port at which it listens.
@@ -20,7 +18,6 @@ class Lamp(Node):
 """
 NO_GREETER = "class Greeter(Node):\n    pass\n"
 WRONG_REPORT = 'domain, discovery_range = 99, "SUBNET"\n'
-HONEST = {"services-1": LAMP, "setup-2": GREETER}
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from tests.cheats.cheat import EMPTY, WRONG_REPORT, Cheat, wrong
 from tests.exercises.answers_services import LAMP
-from tests.exercises.chapter import changed
 
 FULL = '"services-1 · A lamp: 2 of 2 points"'
 TRIED = '\nprint("tried")\n'
@@ -241,14 +240,20 @@ CHEATS += [
     ),
     Cheat(
         "long_error",
-        "setup-2",
-        "Answer an order with an error as long as a message may be, with odd letters in it.",
-        changed(
-            "from course_kit.examining import answer_host\n"
-            "answer_host.obey = lambda *a: {'error': 'E', 'trace': '<script>\\ud800' + 'x' * 9_990_000}\n"
-            "class Greeter(Node):\n    pass\n"
-        ),
-        honest="setup-3",
+        "services-1",
+        "Answer an order with an error as long as a message may be, so that the verdict is longer.",
+        "from course_kit.examining import answer_host\n"
+        "long = {'error': 'E', 'trace': 'x' * 9_999_900}\n"
+        f"answer_host.obey = lambda order, *a: {{'value': True}} if order['do'] == 'has' else long\n{EMPTY}",
+        honest="services-4",
+    ),
+    Cheat(
+        "odd_error",
+        "services-1",
+        "Answer an order with an error that is a page, a formula and half a letter.",
+        "from course_kit.examining import answer_host\n"
+        "odd = {'error': 'E', 'trace': '=1+1<script>alert(1)</script>\\ud800'}\n"
+        f"answer_host.obey = lambda order, *a: {{'value': True}} if order['do'] == 'has' else odd\n{EMPTY}",
     ),
     Cheat(
         "deep_answer",

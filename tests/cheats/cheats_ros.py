@@ -1,0 +1,242 @@
+"""Cheats over ROS: false nodes, other processes and domains, answers by heart, programs that nobody built."""
+
+from __future__ import annotations
+
+from tests.cheats.cheat import EMPTY, Cheat, wrong
+from tests.exercises.answers_actions_west import FACE_WEST
+from tests.exercises.answers_services import LAMP
+from tests.exercises.chapter import changed
+from tests.exercises.workspace_cells import PREPARE
+from tests.exercises.workspace_greeters import GREETER
+
+# Answers to what was drawn, by heart, and false nodes: those that the exercises are tested with.
+KNOWN = {
+    "setup-1": ["elsewhere"],
+    "setup-3": ["false_poses", "false_and_bare", "false_beside_a_turtle", "two_of_that_name", "in_the_world"],
+    "topics-2": ["constant", "class_counts"],
+    "topics-3": ["begins_with_the_11th"],
+    "topics-4": ["killed", "teleported"],
+    "services-1": ["replayed"],
+    "services-2": ["by_number"],
+    "services-3": ["keeps_answers"],
+    "services-4": ["ignores_b"],
+    "actions-1": ["teleports", "drives", "half_a_turn_by_heart"],
+    "actions-2": ["order_by_heart"],
+    "actions-3": ["by_time", "status_of_the_class"],
+    "debugging-3": ["counts"],
+    "debugging-5": ["counts"],
+    "debugging-6": ["four_publishers", "false_count"],
+}
+LAMP_FOR = LAMP.replace("lamp = run(Lamp)\n", "")
+HELPER = f"""
+import rclpy, sys
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+rclpy.init(domain_id=int(sys.argv[1]))
+{LAMP_FOR}
+executor = SingleThreadedExecutor()
+for node in (Lamp(), *(Node(name) for name in sys.argv[2:])):
+    executor.add_node(node)
+print("ready", flush=True)
+executor.spin()
+"""
+# Starts the helper when the checker has a node made, in the domain that it does so in.
+WITH_HELPER = f"""
+import subprocess, sys
+from course_kit.examining import answer_host
+open("helper.py", "w").write({HELPER!r})
+plain, helpers = answer_host.obey, []
+
+def obey(order, names, timeout):
+    if order["do"] == "start" and not helpers:
+        words = [sys.executable, "helper.py", str(order["domain"]), *names_of(order)]
+        helpers.append(subprocess.Popen(words, stdout=subprocess.PIPE, text=True))
+        helpers[0].stdout.readline()
+    return {{"value": READ}} if order["do"] == "read" else plain(order, names, timeout)
+
+answer_host.obey = obey
+"""
+# What the class does only where a condition holds.
+ONLY_IF = changed(
+    LAMP,
+    ("        self.service = self.create_service", "        if CONDITION:\n            self.create_service"),
+    ("lamp = run(Lamp)\n", ""),
+)
+SECOND_NODE = """
+import threading
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from std_srvs.srv import SetBool
+
+class Lamp(Node):
+    is_on = False
+
+    def __init__(self):
+        super().__init__("lamp")
+        own = Context()
+        own.init(domain_id=DOMAIN)
+        self.second = rclpy.create_node("lamp", context=own)
+        self.second.create_service(SetBool, "lamp", self.switch)
+        executor = SingleThreadedExecutor(context=own)
+        executor.add_node(self.second)
+        threading.Thread(target=executor.spin, daemon=True).start()
+
+    def switch(self, request, response):
+        response.success, self.is_on = request.data != self.is_on, request.data
+        response.message = "on" if self.is_on else "off"
+        return response
+"""
+OWN_TURTLE = (
+    changed(
+        FACE_WEST,
+        ("import math\n", "import math\nfrom rclpy.action import ActionServer\n"),
+        (
+            "        self.remaining, self.delta = None, None\n",
+            "        self.remaining, self.delta = None, None\n"
+            "        self.false = Node('turtlesim')\n"
+            "        self.server = ActionServer(self.false, RotateAbsolute, 'turtle1/rotate_absolute', self.turn)\n",
+        ),
+    )
+    + """
+    def turn(self, goal):
+        goal.succeed()
+        return RotateAbsolute.Result(delta=1.0)
+"""
+)
+CHEATS = [
+    Cheat(
+        f"by_heart_{each.name}",
+        exercise,
+        "Answer what is asked as if it were known, or put something false in place of it.",
+        each.source,
+        points=each.points,
+        timeout=60.0,
+        by_default=name == "replayed",
+    )
+    for exercise, names in KNOWN.items()
+    for name in names
+    for each in [wrong(exercise, name)]
+]
+CHEATS += [
+    Cheat(
+        "helper",
+        "services-1",
+        "Have a process beside an empty class serve, in the checker's own domain.",
+        f"names_of = lambda order: []\n{WITH_HELPER.replace('READ', 'False')}{EMPTY}",
+        by_default=True,
+    ),
+    Cheat(
+        "helper_with_the_keepers_name",
+        "services-1",
+        "Have that process have the hidden node by which the checker knows the answer's participant.",
+        "names_of = lambda order: [f\"_stage_{order['token']}\"]\n" + WITH_HELPER.replace("READ", "False") + EMPTY,
+    ),
+    Cheat(
+        "only_on_the_stage",
+        "services-1",
+        "Do what is asked only where the domain is one of a checker.",
+        ONLY_IF.replace(
+            "CONDITION", "self.context.get_domain_id() >= 200 or int(os.environ['ROS_DOMAIN_ID']) >= 200"
+        ).replace("\nclass Lamp", "\nimport os\nclass Lamp"),
+    ),
+    *(
+        Cheat(
+            f"second_node_{name}",
+            "services-1",
+            "Have a second node in a context of its own serve, beside one that does nothing.",
+            SECOND_NODE.replace("DOMAIN", domain),
+        )
+        for name, domain in {"elsewhere": "7", "on_the_stage": "215"}.items()
+    ),
+    Cheat(
+        "own_turtle",
+        "actions-1",
+        "Take the name of the checker's simulator, and turn nothing.",
+        OWN_TURTLE,
+    ),
+    Cheat(
+        "no_class",
+        "services-1",
+        "Have something that is no node's class made: a function, a class that is derived from all.",
+        "class Kind(type):\n    __subclasscheck__ = lambda *a: True\n    mro = lambda cls: [cls, object]\n"
+        "class Lamp(metaclass=Kind):\n    is_on = False\n    executor = None\n"
+        "    get_fully_qualified_name = lambda self: '/lamp'\n",
+    ),
+]
+WORKSPACE = {
+    "by_hand": "Make install/ by hand, with a false `ros2` on the PATH of its set-up script.",
+    "shell_script": "Have the program that is installed be a script that says what the check wants.",
+    "edited_installed": "Edit what was built.",
+}
+CHEATS += [
+    Cheat(
+        f"workspace_{name}",
+        "workspace-1",
+        tries,
+        f"{PREPARE}\n{getattr(__import__('tests.exercises.workspace_greeters', fromlist=['x']), name.upper())}",
+        points=each,
+        timeout=60.0,
+    )
+    for (name, tries), each in zip(WORKSPACE.items(), (0, 1, 1), strict=True)
+]
+CHEATS += [
+    Cheat(
+        "false_programs",
+        "workspace-1",
+        "Put a false `ros2`, `colcon` and Python on PATH, and a start-up script.",
+        "import os\nos.makedirs('false', exist_ok=True)\n"
+        "for name in ('ros2', 'colcon', 'python3', 'python', 'bwrap', 'prlimit', 'env'):\n"
+        "    open(f'false/{name}', 'w').write('#!/bin/sh\\necho Hi from greeter.\\n'); os.chmod(f'false/{name}', 0o755)\n"
+        "os.environ['PATH'] = os.path.abspath('false') + ':' + os.environ['PATH']\n"
+        "os.environ['BASH_ENV'] = os.environ['ENV'] = os.path.abspath('false/ros2')\n"
+        "made = ws.src / 'greeter'; made.mkdir(parents=True)\n"
+        "(made / 'package.xml').write_text('<package format=\"3\"><name>greeter</name><export>'\n"
+        "                                  '<build_type>ament_python</build_type></export></package>')\n",
+        timeout=60.0,
+    ),
+    Cheat(
+        "links_in_src",
+        "workspace-1",
+        "Have the checker read files that are links, a FIFO, and a device.",
+        "import os\nmade = ws.src / 'greeter'; made.mkdir(parents=True)\n"
+        "share = ws.install / 'greeter/share/greeter'; share.mkdir(parents=True)\n"
+        "(made / 'package.xml').symlink_to('/run/grading/job/job.json')\nos.mkfifo(share / 'package.xml')\n"
+        "index = ws.install / 'greeter/share/ament_index/resource_index/packages'; index.mkdir(parents=True)\n"
+        "(index / 'greeter').touch(); (made / 'setup.py').symlink_to('/dev/zero')\n"
+        "(ws.install / '.colcon_install_layout').unlink(missing_ok=True)\n"
+        "os.mkfifo(ws.install / '.colcon_install_layout')\n",
+        timeout=60.0,
+    ),
+    Cheat(
+        "code_at_build",
+        "workspace-1",
+        "Write down points while setup.py runs; the package itself is right.",
+        changed(
+            f"{PREPARE}{GREETER}",
+            (
+                'build("greeter")',
+                (
+                    'path = ws.src / "greeter/setup.py"\n'
+                    'path.write_text(\'try:\\n    open("/run/grading/job/found.jsonl", "a").write("{}"); print("ESCAPED")\\n\'\n'
+                    "                'except OSError:\\n    pass\\n' + path.read_text())\n"
+                    'build("greeter")'
+                ),
+            ),
+        ),
+        points=2,
+        timeout=60.0,
+    ),
+    Cheat(
+        "modules_in_the_way",
+        "workspace-1",
+        "Hand in modules with the names of the course's, of rclpy and of Python's start; nothing else is begun.",
+        "",
+        workspace={
+            **{f"{name}.py": "import os; os._exit(0)\n" for name in ("course_kit", "rclpy", "sitecustomize")},
+            **{f"greeter/{name}.py": "import os; os._exit(0)\n" for name in ("course_kit", "conftest", "setup")},
+            "greeter/package.xml": "<package format='3'><name>greeter</name></package>",
+            "conftest.py": "import os; os._exit(0)\n",
+        },
+        timeout=60.0,
+    ),
+]
