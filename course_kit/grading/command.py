@@ -54,7 +54,7 @@ def add_verbs(verbs: Any) -> None:
     )
     grade.add_argument("--out", type=Path, metavar="GRADES", help="a folder for the gradebook and the feedback")
     grade.add_argument(
-        "--jobs", type=_count, default=os.cpu_count() or 1, metavar="N", help="at once; unless given, %(default)s"
+        "--jobs", type=_count, default=2 * (os.cpu_count() or 1), metavar="N", help="at once; unless given, %(default)s"
     )
     grade.add_argument(
         "--timeout", type=_seconds, default=Settings.timeout, metavar="S", help="seconds of an answer; %(default)g"
