@@ -17,8 +17,8 @@ from course_kit.grading.master import ANSWER, CHECK, EXERCISE, PREREQUISITE, Cha
 
 LONGEST_ANSWER = 200_000  # characters
 OUTPUT_VARIES = "nbval-ignore-output"
-# The first cell of a rebuilt notebook: the context that the chapter's demonstrations would have started, and checks
-# that show what does not vary, so that it can be compared.
+# What stands between the chapter's cells and the answers: the context that the demonstrations would have started, the
+# course's `check`, which a chapter may have called something else, and that it shows only what does not vary.
 START = """from course_kit import check
 from course_kit.spinning import context
 
@@ -112,7 +112,7 @@ def rebuilt(
     `has_workspace`: packages that were handed in lie in the folder HANDED_IN.
     """
     notebook = nbformat.v4.new_notebook(metadata={"kernelspec": chapter.notebook.metadata.kernelspec})
-    cells = [nbformat.v4.new_code_cell(BEGIN, id=f"{chapter.name}-begin"), *prerequisites(chapter)]
+    cells = [*prerequisites(chapter), nbformat.v4.new_code_cell(BEGIN, id=f"{chapter.name}-begin")]
     if has_workspace:
         made = re.findall(CREATED, "\n".join([*sources.values(), *(cell.source for cell in cells)]))
         source = BRING_IN.format(folder=HANDED_IN, made=sorted(set(made)))

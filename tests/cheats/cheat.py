@@ -34,6 +34,7 @@ class Cheat:
     workspace: Mapping[str, str] = field(default_factory=dict)  # that is handed in with it, by path below src
     timeout: float = 20.0  # of a cell
     by_default: bool = False  # whether it is run without --full
+    seconds: int = 300  # after which the test has hung
 
 
 def wrong(exercise: str, name: str) -> Wrong:

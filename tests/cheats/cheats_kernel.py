@@ -39,7 +39,6 @@ DEEP = "'[' * 100_000 + ']' * 100_000"
 CHEATS = [
     Cheat(name, "services-1", tries, f"{source}\n{EMPTY}{TRIED}", says="tried")
     for name, tries, source in [
-        ("nbval_skip", "Have nbval skip the cell.", "# NBVAL_SKIP"),
         ("nbval_raises", "Have nbval expect an error.", "# NBVAL_RAISES_EXCEPTION\n# NBVAL_IGNORE_OUTPUT"),
         (
             "no_traceback",
@@ -62,7 +61,6 @@ CHEATS = [
             "get_ipython().input_transformers_cleanup.append("
             f"lambda lines: ['''print({FULL})\\n'''] if any('check(' in line for line in lines) else lines)",
         ),
-        ("no_run_cell", "Take away what runs cells.", "get_ipython().run_cell = None"),
         (
             "do_execute",
             "Answer for the check cell without running it.",
@@ -164,13 +162,24 @@ CHEATS = [
 ]
 CHEATS += [
     Cheat(
+        "nbval_skip", "services-1", "Have nbval skip the cell, which is right: it is not begun.", f"# NBVAL_SKIP{LAMP}"
+    ),
+    Cheat(
+        "no_run_cell",
+        "services-1",
+        "Take away what runs cells: the check cell is waited for as long as any check cell may take.",
+        f"{LAMP}\nget_ipython().run_cell = None\n",
+        seconds=900,
+    ),
+    Cheat(
         "equal_to_all",
         "setup-1",
         "Give objects that are equal to everything, of a class that is everything.",
         "class Any_(type):\n    __eq__ = lambda *a: True\n    __hash__ = type.__hash__\n"
         "    __instancecheck__ = lambda *a: True\n"
         "class Equal(int, metaclass=Any_):\n    __eq__ = lambda *a: True\n    __hash__ = int.__hash__\n"
-        "class Word(str):\n    __eq__ = lambda *a: True\n    __hash__ = str.__hash__\n    strip = lambda *a: 'LOCALHOST'\n"
+        "class Word(str):\n    __eq__ = lambda *a: True\n    __hash__ = str.__hash__\n"
+        "    strip = lambda *a: 'LOCALHOST'\n"
         'domain, discovery_range = Equal(99), Word("SUBNET")',
     ),
     Cheat(
@@ -210,7 +219,7 @@ CHEATS += [
     Cheat(
         "flood_at_the_socket",
         "setup-1",
-        "Send 100 × 10 MB at 100 connections to the grader's socket.",
+        "Send 100 messages of 10 MB at 100 connections to the grader's socket.",
         "import json, os, threading\nfrom multiprocessing.connection import Client\n"
         "def flood(end):\n    try:\n        end.send_bytes(json.dumps({'check': 'x' * 9_900_000}).encode())\n"
         "    except OSError:\n        pass\n"
@@ -219,13 +228,28 @@ CHEATS += [
         honest="setup-2",
     ),
     Cheat(
+        "many_connections",
+        "setup-1",
+        "Open 2000 connections to the grader's socket, in two processes that go on.",
+        "import os, socket, time\n"
+        "for _ in range(2):\n    if os.fork() == 0:\n        ends = []\n        try:\n"
+        "            for _ in range(1000):\n                ends.append(socket.socket(socket.AF_UNIX))\n"
+        "                ends[-1].connect(os.environ['COURSE_KIT_GRADER'])\n"
+        "        except OSError:\n            pass\n        time.sleep(60)\n        os._exit(0)\n"
+        "time.sleep(5)\n" + WRONG_REPORT + TRIED,
+        honest="setup-2",
+        says="tried",
+    ),
+    Cheat(
         "odd_messages",
         "setup-1",
         "Send what is no message to the grader's socket: too deep, too long, no text, half of one.",
-        "import os, socket, struct\nfrom multiprocessing.connection import Client\n"
-        f"odd = [({DEEP}).encode(), b'\\xff' * 99, b'', b'1' * 9999, b'[]', b'NaN', b'{{\"check\": NaN}}', b'x' * 11_000_000]\n"
-        "for data in odd:\n    try:\n        Client(os.environ['COURSE_KIT_GRADER'], 'AF_UNIX').send_bytes(data)\n"
+        "import os, socket, struct, threading\nfrom multiprocessing.connection import Client\n"
+        f"odd = [({DEEP}).encode(), b'\\xff' * 99, b'', b'1' * 9999, b'[]',"
+        f" b'NaN', b'{{\"check\": NaN}}', b'x' * 11_000_000]\n"
+        "def send(data):\n    try:\n        Client(os.environ['COURSE_KIT_GRADER'], 'AF_UNIX').send_bytes(data)\n"
         "    except OSError:\n        pass\n"
+        "for data in odd:\n    threading.Thread(target=send, args=(data,), daemon=True).start()\n"
         "half = socket.socket(socket.AF_UNIX); half.connect(os.environ['COURSE_KIT_GRADER'])\n"
         "half.send(struct.pack('!i', 1000) + b'{')\n" + WRONG_REPORT + TRIED,
         honest="setup-2",
@@ -243,8 +267,11 @@ CHEATS += [
         "services-1",
         "Answer an order with an error as long as a message may be, so that the verdict is longer.",
         "from course_kit.examining import answer_host\n"
-        "long = {'error': 'E', 'trace': 'x' * 9_999_900}\n"
-        f"answer_host.obey = lambda order, *a: {{'value': True}} if order['do'] == 'has' else long\n{EMPTY}",
+        "long, plain = {'error': 'E', 'trace': 'x' * 9_999_900}, answer_host.obey\n"
+        "def obey(order, *rest):\n"
+        "    is_it = order['do'] == 'start' and order['node_class'] == 'Lamp'\n"
+        "    return long if is_it else plain(order, *rest)\n"
+        f"answer_host.obey = obey\n{EMPTY}",
         honest="services-4",
     ),
     Cheat(
@@ -260,15 +287,18 @@ CHEATS += [
         "services-1",
         "Answer an order with lists in lists in lists, as deep as can be sent.",
         "from course_kit.examining import answer_host\n"
-        "deep = []\nfor _ in range(900):\n    deep = [deep]\n"
-        f"answer_host.obey = lambda order, *a: {{'value': True if order['do'] == 'has' else deep}}\n{EMPTY}",
+        "deep, plain = [], answer_host.obey\nfor _ in range(900):\n    deep = [deep]\n"
+        "def obey(order, *rest):\n"
+        "    return {'value': deep, 'error': deep} if order.get('node_class') == 'Lamp' else plain(order, *rest)\n"
+        f"answer_host.obey = obey\n{EMPTY}",
         honest="services-4",
     ),
     Cheat(
         "odd_outputs",
         "setup-2",
         "Send outputs that no notebook has: fields that are missing, half letters, a message that is signed wrongly.",
-        "import json\nkernel = get_ipython().kernel\nsend, pub, parent = kernel.session.send, kernel.iopub_socket, kernel.get_parent()\n"
+        "import json\nkernel = get_ipython().kernel\nsend, pub, parent = kernel.session.send, kernel.iopub_socket, "
+        "kernel.get_parent()\n"
         "kernel.session.pack = lambda o: json.dumps(o, default=str).encode()\n"
         "print('<script>alert(1)</script> half a letter: \\ud800')\n"
         "send(pub, 'stream', {'name': 'stdout', 'text': '=1+1 \\udfff'}, parent=parent)\n"

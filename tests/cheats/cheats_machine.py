@@ -27,10 +27,16 @@ ENDS = {
     ),
     "closes_sockets": (
         "Close the kernel's sockets.",
-        "import os\nfor number in range(3, 300):\n    try:\n        os.close(number)\n    except OSError:\n        pass",
+        "import os\nfor number in range(3, 300):\n    try:\n        os.close(number)\n"
+        "    except OSError:\n        pass",
     ),
     "shuts_down": ("Have the kernel end itself.", "get_ipython().kernel.do_shutdown(False); exit()"),
     "raises_exit": ("Raise SystemExit.", "raise SystemExit(0)"),
+    "ends_later": (
+        "End the kernel a little later, while the next answer is looked at.",
+        "import os, threading, time\n"
+        "threading.Thread(target=lambda: (time.sleep(2.5), os._exit(0)), daemon=True).start()",
+    ),
     "kills_all": (
         "Kill and stop every process that can be seen.",
         "import os\nfor sign in (9, 19):\n    try:\n        os.kill(-1, sign)\n    except OSError:\n        pass\n"
@@ -54,7 +60,8 @@ ENDS = {
     ),
     "memory_of_many": (
         "Fill the memory in several processes.",
-        "import os, time\nfor _ in range(8):\n    if os.fork() == 0:\n        kept = bytearray(os.urandom(1)) * 600_000_000\n"
+        "import os, time\nfor _ in range(8):\n    if os.fork() == 0:\n"
+        "        kept = bytearray(os.urandom(1)) * 600_000_000\n"
         "        time.sleep(60)\n        os._exit(0)\ntime.sleep(60)",
     ),
     "full_disk": (
@@ -68,7 +75,8 @@ ENDS = {
     "cuts_shared_memory": (
         "Cut the files in shared memory short, of which one is the checker's.",
         "import os, threading, time\n"
-        "def cut():\n    for name in os.listdir('/dev/shm'):\n        try:\n            os.truncate(f'/dev/shm/{name}', 0)\n"
+        "def cut():\n    for name in os.listdir('/dev/shm'):\n        try:\n"
+        "            os.truncate(f'/dev/shm/{name}', 0)\n"
         "        except OSError:\n            pass\ncut()",
     ),
     "prints_1_gb": (
@@ -79,8 +87,10 @@ ENDS = {
     ),
     "never_idle": (
         "Print for ever, and never say that the cell has ended.",
-        "import threading, time\nsession = get_ipython().kernel.session\nplain, parent = session.send, get_ipython().kernel.get_parent()\n"
-        "def send(stream, kind, content=None, *a, **k):\n    if kind == 'status' or getattr(kind, 'get', dict)('msg_type') == 'status':\n"
+        "import threading, time\nsession = get_ipython().kernel.session\n"
+        "plain, parent = session.send, get_ipython().kernel.get_parent()\n"
+        "def send(stream, kind, content=None, *a, **k):\n"
+        "    if kind == 'status' or getattr(kind, 'get', dict)('msg_type') == 'status':\n"
         "        return\n    return plain(stream, kind, content, *a, **k)\nsession.send = send\n"
         "def flood():\n    while True:\n"
         "        plain(get_ipython().kernel.iopub_socket, 'stream', {'name': 'stdout', 'text': 'x'}, parent=parent)\n"
@@ -160,7 +170,8 @@ for family, kind in ((socket.AF_INET, socket.SOCK_RAW), (socket.AF_PACKET, socke
 KERNEL = """
 import ctypes, os
 libc = ctypes.CDLL(None, use_errno=True)
-for path in ("/proc/sys/kernel/core_pattern", "/proc/sys/kernel/hostname", "/proc/sysrq-trigger", "/proc/1/oom_score_adj"):
+for path in ("/proc/sys/kernel/core_pattern", "/proc/sys/kernel/hostname", "/proc/sysrq-trigger",
+             "/proc/sys/vm/drop_caches"):
     try:
         os.close(os.open(path, os.O_WRONLY)); print("ESCAPED: may write", path)
     except OSError:

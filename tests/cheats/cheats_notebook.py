@@ -35,6 +35,7 @@ class HandedIn:
     told: str = ""  # that must stand in a note
     asked: tuple[str, ...] = ("setup-1",)
     by_default: bool = False
+    seconds: int = 300  # after which the test has hung
 
 
 def _made(answer: str = WRONG_REPORT, change: Change = lambda made: None) -> bytes:

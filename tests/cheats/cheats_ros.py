@@ -7,7 +7,7 @@ from tests.exercises.answers_actions_west import FACE_WEST
 from tests.exercises.answers_services import LAMP
 from tests.exercises.chapter import changed
 from tests.exercises.workspace_cells import PREPARE
-from tests.exercises.workspace_greeters import GREETER
+from tests.exercises.workspace_greeters import BY_HAND, EDITED_INSTALLED, GREETER, SHELL_SCRIPT
 
 # Answers to what was drawn, by heart, and false nodes: those that the exercises are tested with.
 KNOWN = {
@@ -103,9 +103,17 @@ OWN_TURTLE = (
         return RotateAbsolute.Result(delta=1.0)
 """
 )
+AT_BUILD = """
+path.write_text('''
+try:
+    open("/run/grading/job/found.jsonl", "a").write("{}"); print("ESCAPED")
+except OSError:
+    pass
+''' + path.read_text())
+"""
 CHEATS = [
     Cheat(
-        f"by_heart_{each.name}",
+        f"{exercise}_{each.name}",
         exercise,
         "Answer what is asked as if it were known, or put something false in place of it.",
         each.source,
@@ -163,21 +171,14 @@ CHEATS += [
         "    get_fully_qualified_name = lambda self: '/lamp'\n",
     ),
 ]
-WORKSPACE = {
-    "by_hand": "Make install/ by hand, with a false `ros2` on the PATH of its set-up script.",
-    "shell_script": "Have the program that is installed be a script that says what the check wants.",
-    "edited_installed": "Edit what was built.",
-}
+BUILT = [
+    ("by_hand", BY_HAND, 0, "Make install/ by hand, with a false `ros2` on the PATH of its set-up script."),
+    ("shell_script", SHELL_SCRIPT, 1, "Have the program that is installed be a script that says what the check wants."),
+    ("edited_installed", EDITED_INSTALLED, 1, "Edit what was built."),
+]
 CHEATS += [
-    Cheat(
-        f"workspace_{name}",
-        "workspace-1",
-        tries,
-        f"{PREPARE}\n{getattr(__import__('tests.exercises.workspace_greeters', fromlist=['x']), name.upper())}",
-        points=each,
-        timeout=60.0,
-    )
-    for (name, tries), each in zip(WORKSPACE.items(), (0, 1, 1), strict=True)
+    Cheat(f"workspace_{name}", "workspace-1", tries, f"{PREPARE}\n{source}", points=points, timeout=60.0)
+    for name, source, points, tries in BUILT
 ]
 CHEATS += [
     Cheat(
@@ -186,7 +187,8 @@ CHEATS += [
         "Put a false `ros2`, `colcon` and Python on PATH, and a start-up script.",
         "import os\nos.makedirs('false', exist_ok=True)\n"
         "for name in ('ros2', 'colcon', 'python3', 'python', 'bwrap', 'prlimit', 'env'):\n"
-        "    open(f'false/{name}', 'w').write('#!/bin/sh\\necho Hi from greeter.\\n'); os.chmod(f'false/{name}', 0o755)\n"
+        "    open(f'false/{name}', 'w').write('#!/bin/sh\\necho Hi from greeter.\\n')\n"
+        "    os.chmod(f'false/{name}', 0o755)\n"
         "os.environ['PATH'] = os.path.abspath('false') + ':' + os.environ['PATH']\n"
         "os.environ['BASH_ENV'] = os.environ['ENV'] = os.path.abspath('false/ros2')\n"
         "made = ws.src / 'greeter'; made.mkdir(parents=True)\n"
@@ -213,15 +215,7 @@ CHEATS += [
         "Write down points while setup.py runs; the package itself is right.",
         changed(
             f"{PREPARE}{GREETER}",
-            (
-                'build("greeter")',
-                (
-                    'path = ws.src / "greeter/setup.py"\n'
-                    'path.write_text(\'try:\\n    open("/run/grading/job/found.jsonl", "a").write("{}"); print("ESCAPED")\\n\'\n'
-                    "                'except OSError:\\n    pass\\n' + path.read_text())\n"
-                    'build("greeter")'
-                ),
-            ),
+            ('build("greeter")', f"path = ws.src / 'greeter/setup.py'\n{AT_BUILD}build('greeter')"),
         ),
         points=2,
         timeout=60.0,

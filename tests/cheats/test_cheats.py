@@ -14,7 +14,9 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from course_kit.grading import feedback, gradebook, handins, master, notebook_run, sandbox, submission
+from course_kit.grading import table as tables
 from course_kit.grading.class_run import ClassRun
+from course_kit.grading.gradebook import plain
 from course_kit.grading.notebook_run import Settings
 from course_kit.grading.results import StudentResult
 from course_kit.polling import wait_until
@@ -22,10 +24,7 @@ from tests.cheats import cheats_kernel, cheats_machine, cheats_notebook, cheats_
 from tests.cheats.cheat import CANARY, ESCAPED, LEFT_BEHIND, PORT, Cheat, reference
 from tests.cheats.cheats_notebook import HandedIn
 
-pytestmark = [
-    pytest.mark.timeout(300),
-    pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),
-]
+pytestmark = pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes")
 CHAPTERS = {chapter.name: chapter for chapter in master.chapters()}
 ALL = [*cheats_kernel.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
 SLOW = pytest.mark.slow("each cheat is one grading, of 7 s and more")
@@ -33,7 +32,10 @@ CHOSEN = {"chooses_the_seed": 4711}  # by a cheat, of which another one must hav
 
 
 def _params(cheats: Sequence[Cheat] | Sequence[HandedIn]) -> list[object]:
-    return [pytest.param(each, id=each.name, marks=[] if each.by_default else SLOW) for each in cheats]
+    def marks(each: Cheat | HandedIn) -> list[pytest.MarkDecorator]:
+        return [pytest.mark.timeout(each.seconds), *([] if each.by_default else [SLOW])]
+
+    return [pytest.param(each, id=each.name, marks=marks(each)) for each in cheats]
 
 
 @pytest.fixture
@@ -85,6 +87,8 @@ def _command(pid: int) -> str:
 
 def _publish(results: Sequence[StudentResult], folder: Path) -> None:
     """Write gradebook and feedback: whatever a student has brought in, both can be written and do no harm."""
+    for result in results:
+        assert (tables.verdicts(result) + tables.line(result)).encode()
     gradebook.write(results, folder, "Cheats")
     feedback.write(results, folder, "Cheats")
     for path in folder.rglob("*.csv"):
@@ -111,7 +115,9 @@ def test_a_cheat_gets_what_it_has_earned(cheat: Cheat, host: dict[str, str], tmp
         found = notebook_run.grade(chapter, sources, asked, Settings(timeout=cheat.timeout), workspace)
     results = {name: one.result for name, one in found.items()}
     told = f"{results[cheat.exercise].verdict}\n{results[cheat.exercise].shown}"
-    print(f"{cheat.name}: {results[cheat.exercise].verdict.points} points\n{told[:3000]}")  # for who reads the table
+    print(
+        f"{cheat.name}: {results[cheat.exercise].verdict.points} points\n{plain(told[:3000])}"
+    )  # for who reads the table
     _publish([StudentResult("cheat", tuple(results[name] for name in asked))], tmp_path / "grades")
     assert results[cheat.exercise].verdict.points == cheat.points, told
     if cheat.honest:

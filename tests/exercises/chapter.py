@@ -80,7 +80,7 @@ class Chapter:
 
     def run_prerequisites(self) -> None:
         """Run what the exercises stand on, and nothing else: it is all that a grader runs."""
-        for source in [START, *(cell.source for cell in prerequisites(self.master))]:
+        for source in [*(cell.source for cell in prerequisites(self.master)), START]:
             self.kernel.run(source, CELL_TIMEOUT)
 
     def source(self, role: str, exercise: str) -> str:
