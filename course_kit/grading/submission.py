@@ -59,6 +59,6 @@ def read(handin: HandIn, chapters: Sequence[Chapter], only: Sequence[str]) -> Su
             notes += answers.notes
         else:
             notes.append(f"There is no {name}.")
-        workspace = handin.workspace if chapter.name == WORKSPACE_CHAPTER and sources else {}
+        workspace = handin.workspace if chapter.name == WORKSPACE_CHAPTER else {}
         works.append(Work(chapter.name, sources, asked, workspace))
     return Submission(handin, tuple(works), tuple(notes))

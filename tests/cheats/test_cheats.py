@@ -20,13 +20,13 @@ from course_kit.grading.gradebook import plain
 from course_kit.grading.notebook_run import Settings
 from course_kit.grading.results import StudentResult
 from course_kit.polling import wait_until
-from tests.cheats import cheats_kernel, cheats_machine, cheats_notebook, cheats_ros
+from tests.cheats import cheats_kernel, cheats_machine, cheats_messages, cheats_notebook, cheats_ros
 from tests.cheats.cheat import CANARY, ESCAPED, LEFT_BEHIND, PORT, Cheat, reference
 from tests.cheats.cheats_notebook import HandedIn
 
 pytestmark = pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes")
 CHAPTERS = {chapter.name: chapter for chapter in master.chapters()}
-ALL = [*cheats_kernel.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
+ALL = [*cheats_kernel.CHEATS, *cheats_messages.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
 SLOW = pytest.mark.slow("each cheat is one grading, of 7 s and more")
 CHOSEN = {"chooses_the_seed": 4711}  # by a cheat, of which another one must have counted
 

@@ -186,3 +186,17 @@ def test_nothing_of_it_is_left(small: Path, tmp_path: Path):
     assert ours == []
     assert {name for name in set(os.listdir("/dev/shm")) - shared if "fastrtps" in name} == set()
     assert json.loads((tmp_path / "grades/grades.json").read_text())["protection"] == sandbox.APART
+
+
+@SLOW
+def test_a_package_that_was_written_in_an_editor_is_built_and_counts(tmp_path: Path):
+    """The answer cell is untouched; ros2_ws/src is handed in beside the notebook."""
+    hand_in(tmp_path / "in/ada", "workspace", {})
+    (src := tmp_path / "in/ada/ros2_ws/src").mkdir(parents=True)
+    ros2 = Path(sys.executable).with_name("ros2")
+    create = [str(ros2), "pkg", "create", "greeter", "--build-type", "ament_python", "--node-name", "greet"]
+    subprocess.run([*create, "--license", "Apache-2.0"], cwd=src, check=True, capture_output=True, timeout=60)
+    done = grade(str(tmp_path / "in"), "--out", str(tmp_path / "out"), "--only", "workspace-1", "workspace-2")
+    assert done.returncode == 0, done.stderr
+    got = rows(tmp_path / "out")["ada"]
+    assert (got["workspace-1"], got["workspace-2"]) == ("2", "0")
