@@ -17,6 +17,7 @@ GROUPS = "COURSE_KIT_TEST_GROUPS"  # those that are run, if not all
 # Seconds that groups of tests take on 2 cores, beside each other; others take SHORT ones.
 SECONDS = {
     "exercises of workspace-5": 495,
+    "grading a class": 490,
     "bare bookworm": 484,
     "bare noble": 484,
     "bare trixie": 470,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -27,9 +28,10 @@ pytestmark = [pytest.mark.timeout(900), pytest.mark.xdist_group("grading a class
 SLOW = pytest.mark.slow("grades a student after the other")
 
 
-def grade(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+def grade(*arguments: str, folder: Path | None = None, **environ: str) -> subprocess.CompletedProcess[str]:
     command = [*COURSE, "grade", *arguments]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=850)
+    whole = {**os.environ, **environ}
+    return subprocess.run(command, cwd=folder, env=whole, capture_output=True, text=True, timeout=850)
 
 
 def rows(out: Path) -> dict[str, dict[str, str]]:
@@ -108,6 +110,19 @@ def test_what_cannot_be_graded_is_said_in_a_line(arguments: Sequence[str], says:
     assert done.returncode == 2
     assert says in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_without_bubblewrap_it_says_so_and_grades_all_the_same_unless_forbidden(small: Path, tmp_path: Path):
+    (only := tmp_path / "bin").mkdir()
+    for name in ("env", "prlimit", "sh"):
+        (only / name).symlink_to(str(shutil.which(name)))
+    arguments = [".", "--only", "services-1"]
+    done = grade(*arguments, folder=small / "ada", PATH=str(only))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"protection: {sandbox.NOT_APART}" in done.stderr
+    done = grade(*arguments, "--require-sandbox", folder=small / "ada", PATH=str(only))
+    assert done.returncode == 2
+    assert "install bubblewrap" in done.stderr
 
 
 def test_ctrl_c_ends_it_cleanly_and_the_next_run_goes_on(small: Path, tmp_path: Path):
