@@ -97,12 +97,10 @@ def _grade(chosen: argparse.Namespace) -> int:
         raise ValueError("none of these exercises is in one of these chapters")
     is_apart = sandbox.is_available()
     if chosen.require_sandbox and not is_apart:
-        raise ValueError(
-            "there is no sandbox here: install bubblewrap (`sudo apt-get install bubblewrap`), or grade as root"
-        )
+        raise ValueError(f"nothing was graded, because {sandbox.why_not()}")
     submissions = _read(chosen, asked)
     if not is_apart:
-        print(f"course: protection: {sandbox.NOT_APART}", file=sys.stderr)
+        print(f"course: protection: {sandbox.NOT_APART} ({sandbox.why_not()})", file=sys.stderr)
     class_run.prepare(asked)
     with _locked(chosen.out), _workers(chosen) as executor, _ended_by_signals():
         run = ClassRun(Settings(chosen.timeout, is_apart=is_apart), chosen.jobs, chosen.out, executor)

@@ -100,7 +100,8 @@ def grade(
         if failures == TRIES:
             shown = "; ".join(str(line.get("shown", "")) for line in lines if "failed" in line) or why
             note = f"The cells that the exercises stand on did not run: {shown}"
-            found |= {name: Found(ExerciseResult(_verdict(tasks[name], NOT_LOOKED_AT, note))) for name in left}
+            not_run = {name: ExerciseResult(_verdict(tasks[name], NOT_LOOKED_AT, note)) for name in left}
+            found |= {name: Found(result, is_late=True) for name, result in not_run.items()}
             break
     return found
 

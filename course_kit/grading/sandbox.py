@@ -19,8 +19,8 @@ from course_kit.environment.activation import sourced_ros
 
 APART = "bubblewrap: own network, processes, files and shared memory; limits of time, memory, disk and processes"
 NOT_APART = (
-    "none: bubblewrap is not there or may not make namespaces, so the students' code ran with your rights, in process "
-    "groups with limits of time, memory and file size"
+    "none: without bubblewrap the students' code runs with the rights of who grades, in process groups with limits of "
+    "time, memory and file size"
 )
 MB = 1 << 20
 TRY_TIMEOUT = 20.0
@@ -57,15 +57,22 @@ IN_SANDBOX = Places(*(Path("/run/grading", name) for name in ("job", "work", "me
 
 
 @functools.cache
+def why_not() -> str:
+    """Why no sandboxes can be made here, one in the other; nothing if they can."""
+    if shutil.which("bwrap") is None:
+        return "there is no bubblewrap here (`sudo apt-get install bubblewrap`)"
+    command = [*outer(Path("/usr"), Limits()), *inner(IN_SANDBOX, {}, Limits()), sys.executable, "-I", "-c", ""]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=TRY_TIMEOUT)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return f"bubblewrap cannot be tried here: {error}"
+    said = (done.stderr.strip().splitlines() or [f"status {done.returncode}"])[-1]
+    return f"bubblewrap may not make sandboxes here: {said}" if done.returncode else ""
+
+
 def is_available() -> bool:
     """Whether sandboxes can be made here, one in the other."""
-    if shutil.which("bwrap") is None:
-        return False
-    command = [*outer(Path("/usr"), Limits()), *inner(IN_SANDBOX, {}, Limits()), "true"]
-    try:
-        return subprocess.run(command, capture_output=True, timeout=TRY_TIMEOUT).returncode == 0
-    except (OSError, subprocess.TimeoutExpired):
-        return False
+    return not why_not()
 
 
 def limited(limits: Limits) -> list[str]:
@@ -78,9 +85,9 @@ def outer(job: Path, limits: Limits) -> list[str]:
     """What a command is put behind that runs in the outer sandbox; `job` is the job's folder outside."""
     return [
         *("bwrap", "--unshare-net", "--unshare-pid", "--unshare-ipc", "--unshare-uts", "--die-with-parent"),
-        *_machine(),
+        *("--size", str(256 * MB), "--tmpfs", "/tmp", *_machine()),  # the course may lie in /tmp
         *("--proc", "/proc", "--dev", "/dev", "--size", str(256 * MB), "--perms", "1777", "--tmpfs", "/dev/shm"),
-        *("--size", str(256 * MB), "--tmpfs", "/tmp", "--size", str(limits.disk), "--tmpfs", str(IN_SANDBOX.work)),
+        *("--size", str(limits.disk), "--tmpfs", str(IN_SANDBOX.work)),
         *(word for name in ("notebooks", "home", "tmp") for word in ("--dir", str(IN_SANDBOX.work / name))),
         *("--dir", str(IN_SANDBOX.run), "--bind", str(job), str(IN_SANDBOX.job), "--chdir", str(IN_SANDBOX.job)),
     ]
@@ -98,9 +105,21 @@ def inner(places: Places, environ: Mapping[str, str], limits: Limits, only: bool
     return [
         *("env", "--ignore-signal=INT", "bwrap", "--unshare-pid", "--unshare-ipc", "--unshare-uts"),
         *("--die-with-parent", "--cap-drop", "ALL"),
-        *_machine(),
-        *("--proc", "/proc", "--dev", "/dev", "--bind", "/dev/shm", "/dev/shm", "--size", str(64 * MB)),
-        *("--tmpfs", "/tmp", "--bind", str(places.work), str(places.work), "--ro-bind", str(places.run)),
+        *("--size", str(64 * MB), "--tmpfs", "/tmp", *_machine()),
+        *(
+            "--proc",
+            "/proc",
+            "--dev",
+            "/dev",
+            "--bind",
+            "/dev/shm",
+            "/dev/shm",
+            "--bind",
+            str(places.work),
+            str(places.work),
+            "--ro-bind",
+            str(places.run),
+        ),
         *(str(places.run), *environment, "--", *limited(limits), "env", "--default-signal=INT"),
     ]
 

@@ -30,8 +30,10 @@ ENDS = {
         "import os\nfor number in range(3, 300):\n    try:\n        os.close(number)\n"
         "    except OSError:\n        pass",
     ),
+    # SCORES: nothing, but the kernel ends in the next check, and the honest answer there loses its points.
     "shuts_down": ("Have the kernel end itself.", "get_ipython().kernel.do_shutdown(False); exit()"),
     "raises_exit": ("Raise SystemExit.", "raise SystemExit(0)"),
+    # SCORES: the same.
     "ends_later": (
         "End the kernel a little later, while the next answer is looked at.",
         "import os, threading, time\n"
@@ -84,6 +86,10 @@ ENDS = {
         "import sys\nfrom IPython.display import display\nblock = 'x' * (1 << 20)\nfor _ in range(250):\n"
         "    print(block); print(block, file=sys.stderr); display({'text/plain': block}, raw=True)\n"
         "    sys.__stdout__.write(block); sys.__stderr__.write(block)",
+    ),
+    "floods_the_terminal": (
+        "Write 2 GB, in one line, to where the kernel's process was started.",
+        "import os\nblock = b'x' * (1 << 20)\nfor _ in range(2000):\n    os.write(1, block); os.write(2, block)",
     ),
     "never_idle": (
         "Print for ever, and never say that the cell has ended.",
@@ -168,17 +174,16 @@ for family, kind in ((socket.AF_INET, socket.SOCK_RAW), (socket.AF_PACKET, socke
         pass
 """
 KERNEL = """
-import ctypes, os
-libc = ctypes.CDLL(None, use_errno=True)
+import os
 for path in ("/proc/sys/kernel/core_pattern", "/proc/sys/kernel/hostname", "/proc/sysrq-trigger",
              "/proc/sys/vm/drop_caches"):
     try:
         os.close(os.open(path, os.O_WRONLY)); print("ESCAPED: may write", path)
     except OSError:
         pass
-for pid in [int(name) for name in os.listdir("/proc") if name.isdigit() and int(name) != os.getpid()]:
-    if open(f"/proc/{pid}/cmdline").read().startswith("bwrap") and libc.ptrace(16, pid, 0, 0) == 0:
-        print("ESCAPED: traces", pid)
+for line in open("/proc/1/status"):
+    if line.startswith(("CapPrm", "CapEff")) and int(line.split()[1], 16):
+        print("ESCAPED: process 1, which may be traced, has rights", line)
 """
 SHARED = """
 import os
@@ -236,7 +241,7 @@ CHEATS += [
         ("files", "Read or write what is not the answer's: tests, the job, the grader, the host.", FILES),
         ("network", "Reach another machine, the host's network, its abstract sockets.", NETWORK),
         # SCORES: as root, /proc/sys can be written: `core_pattern` runs a program outside.
-        ("kernel_settings", "Write settings of the machine's kernel, and trace other processes.", KERNEL),
+        ("kernel_settings", "Write settings of the machine's kernel, and have the rights of another process.", KERNEL),
         # SCORES: the sandbox's / and /dev have no limit.
         ("folders_without_limit", "Fill folders that are no work folder.", SHARED),
         # SCORES: files in memory are no process's own memory.

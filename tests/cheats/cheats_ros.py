@@ -27,20 +27,26 @@ KNOWN = {
     "debugging-5": ["counts"],
     "debugging-6": ["four_publishers", "false_count"],
 }
-LAMP_FOR = LAMP.replace("lamp = run(Lamp)\n", "")
 HELPER = f"""
 import rclpy, sys
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 rclpy.init(domain_id=int(sys.argv[1]))
-{LAMP_FOR}
+{LAMP.replace("lamp = run(Lamp)", "")}
+class Told(Lamp):
+    def switch(self, *asked):
+        response = super().switch(*asked)
+        open("state", "w").write(str(self.is_on))
+        return response
+
 executor = SingleThreadedExecutor()
-for node in (Lamp(), *(Node(name) for name in sys.argv[2:])):
+for node in (Told(), *(Node(name) for name in sys.argv[2:])):
     executor.add_node(node)
+open("state", "w").write("False")
 print("ready", flush=True)
 executor.spin()
 """
-# Starts the helper when the checker has a node made, in the domain that it does so in.
+# Starts the helper when the checker has a node made, in the domain that it does so in, and reads what the helper has.
 WITH_HELPER = f"""
 import subprocess, sys
 from course_kit.examining import answer_host
@@ -48,11 +54,13 @@ open("helper.py", "w").write({HELPER!r})
 plain, helpers = answer_host.obey, []
 
 def obey(order, names, timeout):
-    if order["do"] == "start" and not helpers:
+    if order["do"] == "start":
+        for earlier in helpers:
+            earlier.kill()
         words = [sys.executable, "helper.py", str(order["domain"]), *names_of(order)]
         helpers.append(subprocess.Popen(words, stdout=subprocess.PIPE, text=True))
-        helpers[0].stdout.readline()
-    return {{"value": READ}} if order["do"] == "read" else plain(order, names, timeout)
+        helpers[-1].stdout.readline()
+    return {{"value": open("state").read() == "True"}} if order["do"] == "read" else plain(order, names, timeout)
 
 answer_host.obey = obey
 """
@@ -63,7 +71,7 @@ ONLY_IF = changed(
     ("lamp = run(Lamp)\n", ""),
 )
 SECOND_NODE = """
-import threading
+import rclpy, threading
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from std_srvs.srv import SetBool
@@ -130,14 +138,14 @@ CHEATS += [
         "helper",
         "services-1",
         "Have a process beside an empty class serve, in the checker's own domain.",
-        f"names_of = lambda order: []\n{WITH_HELPER.replace('READ', 'False')}{EMPTY}",
+        f"names_of = lambda order: []\n{WITH_HELPER}{EMPTY}",
         by_default=True,
     ),
-    Cheat(
+    Cheat(  # SCORES: 2, though the class is empty: what has the hidden node is taken for the answer.
         "helper_with_the_keepers_name",
         "services-1",
         "Have that process have the hidden node by which the checker knows the answer's participant.",
-        "names_of = lambda order: [f\"_stage_{order['token']}\"]\n" + WITH_HELPER.replace("READ", "False") + EMPTY,
+        "names_of = lambda order: [f\"_stage_{order['token']}\"]\n" + WITH_HELPER + EMPTY,
     ),
     Cheat(
         "only_on_the_stage",
@@ -146,6 +154,21 @@ CHEATS += [
         ONLY_IF.replace(
             "CONDITION", "self.context.get_domain_id() >= 200 or int(os.environ['ROS_DOMAIN_ID']) >= 200"
         ).replace("\nclass Lamp", "\nimport os\nclass Lamp"),
+    ),
+    Cheat(  # SCORES: 2, for the checker's nodes have a name by which they can be known.
+        "only_beside_the_checker",
+        "services-1",
+        "Do what is asked only where the checker's nodes are.",
+        ONLY_IF.replace("CONDITION", "self.sees_the_checker()")
+        + """
+    def sees_the_checker(self):
+        import time
+        for _ in range(20):
+            if any(name.startswith("_checker_") for name in self.get_node_names()):
+                return True
+            time.sleep(0.05)
+        return False
+""",
     ),
     *(
         Cheat(

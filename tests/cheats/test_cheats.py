@@ -28,6 +28,7 @@ pytestmark = pytest.mark.skipif(not sandbox.is_available(), reason="there is no 
 CHAPTERS = {chapter.name: chapter for chapter in master.chapters()}
 ALL = [*cheats_kernel.CHEATS, *cheats_messages.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
 SLOW = pytest.mark.slow("each cheat is one grading, of 7 s and more")
+MOST_MEMORY = 300 << 20
 CHOSEN = {"chooses_the_seed": 4711}  # by a cheat, of which another one must have counted
 
 
@@ -67,8 +68,9 @@ def _note_calls(end: socket.socket, called: list[object]) -> None:
 @contextlib.contextmanager
 def _nothing_left() -> Iterator[None]:
     """After it, no process and no folder of a grading is there."""
-    before = _processes()
+    before, memory = _processes(), psutil.Process().memory_info().rss
     yield
+    assert psutil.Process().memory_info().rss - memory < MOST_MEMORY  # the grader's own, outside of the sandbox
     assert wait_until(lambda: not _processes() - before, 5.0), [_command(pid) for pid in _processes() - before]
     assert not list(Path(tempfile.gettempdir()).glob("course-grading-*"))
 

@@ -122,7 +122,7 @@ def test_without_bubblewrap_it_says_so_and_grades_all_the_same_unless_forbidden(
     assert f"protection: {sandbox.NOT_APART}" in done.stderr
     done = grade(*arguments, "--require-sandbox", folder=small / "ada", PATH=str(only))
     assert done.returncode == 2
-    assert "install bubblewrap" in done.stderr
+    assert "nothing was graded, because there is no bubblewrap here" in done.stderr
 
 
 def test_ctrl_c_ends_it_cleanly_and_the_next_run_goes_on(small: Path, tmp_path: Path):
