@@ -152,8 +152,9 @@ class Station:
 
         def find() -> bool:
             found = {one.participant for one in self.discovery.announced() if (node, "/") in one.nodes}
-            self._examined |= found
-            return bool(found)
+            if len(found) == 1:  # else another process says that it is the answer's
+                self._examined |= found
+            return len(found) == 1
 
         return wait_until(find, timeout, POLL)
 
@@ -256,7 +257,8 @@ class Station:
 
     def _hidden_node(self) -> Node:
         self._made += 1
-        return quiet_node(f"_checker_{os.getpid()}_{self._made}", self.context)
+        # As the `ros2` command calls its nodes, so that no answer can behave for a checker only.
+        return quiet_node(f"_ros2cli_{os.getpid()}{self._made:03}", self.context)
 
     def on_own_node(self, prepare: Callable[[Node], Made]) -> Made:
         """What `prepare` makes of a node in a thread of its own, which ends with the check."""

@@ -34,6 +34,9 @@ from course_kit.grading.sandbox import IN_SANDBOX, Limits, Places
 from course_kit.programs.child_process import Process
 
 KERNEL = "graded"
+# What a kernel writes past its cells is nobody's.
+QUIET = ("sh", "-c", 'exec "$@" > /dev/null 2>&1', "sh")
+SHARED_OVER = "All was ended because too much memory was in files of no disk, here or beside it"
 TIME_OVER = "All was ended because the time was over"
 LONGEST_BASE = 60  # characters: the address of a socket has 107 at most
 POLL = 0.1  # seconds from one look at what the sandbox uses to the next
@@ -78,24 +81,27 @@ def grade(
     begun_ones = set(tasks if workspace else sources)
     found = {name: Found(ExerciseResult(_verdict(tasks[name], NOT_BEGUN))) for name in only if name not in begun_ones}
     kept, left = dict(sources), [name for name in tasks if name in only and name in begun_ones]
-    failures = 0
+    # One whose kernel ended, or checked no more, is tried alone: it may have been an earlier answer's doing.
+    failures, alone, tried = 0, "", set[str]()
     while left:
-        with _Run(chapter, kept, left, settings, workspace or {}) as run:
+        answers, asked = ({alone: kept[alone]}, [alone]) if alone in kept else (kept, left)
+        with _Run(chapter, answers, asked, settings, workspace or {}) as run:
             run.wait()
             lines, why = run.lines(), run.why
         done = {line[FOUND]: line for line in lines if FOUND in line}
-        found |= {name: _found(tasks[name], line, settings.timeout) for name, line in done.items()}
         begun = [line[BEGUN] for line in lines if BEGUN in line]
-        culprit = begun[-1] if begun and begun[-1] not in done else None
-        if culprit is not None and culprit not in found:
-            found[culprit] = Found(ExerciseResult(_ended(tasks[culprit], why)), is_late=why == TIME_OVER)
-        if culprit is not None:
-            kept.pop(culprit, None)
-        for name, line in done.items():
-            if line["verdict"] is None:  # its kernel ended in the check, or checks no more
-                kept.pop(name, None)
-        if not begun:
-            failures += 1
+        silent = [name for name, line in done.items() if line["verdict"] is None]
+        lost = next(iter([*(name for name in begun[-1:] if name not in done), *silent]), "")
+        if lost in left and lost in kept and len(answers) > 1 and lost not in tried:
+            done.pop(lost, None)
+            tried.add(alone := lost)
+        else:
+            alone = ""
+            kept.pop(lost, None)
+            if lost and lost not in done and lost not in found:
+                found[lost] = Found(ExerciseResult(_ended(tasks[lost], why)), is_late=why in (TIME_OVER, SHARED_OVER))
+        found |= {name: _found(tasks[name], line, settings.timeout) for name, line in done.items()}
+        failures += not begun
         left = [name for name in left if name not in found]
         if failures == TRIES:
             shown = "; ".join(str(line.get("shown", "")) for line in lines if "failed" in line) or why
@@ -141,6 +147,7 @@ class _Run:
     ) -> None:
         self._settings = settings
         self._stack = contextlib.ExitStack()
+        self._in_files = _in_files()
         self.why = ""  # what ended it, if it did not end by itself
         outside = Path(self._stack.enter_context(_folder()))
         self._job = outside / "job"
@@ -196,23 +203,12 @@ class _Run:
         kernel = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
         confined = sandbox.limited(limits)
         if self._settings.is_apart:
-            kernel = [*sandbox.inner(places, ours, limits), *kernel]
+            kernel = [*sandbox.inner(places, ours, limits), *QUIET, *kernel]
             confined = sandbox.inner(places, home, limits, only=False)
         else:
-            into = 'cd "$1" && shift && exec "$@"'
             settings = [f"{name}={value}" for name, value in ours.items()]
-            kernel = [
-                "env",
-                "-i",
-                *settings,
-                *confined,
-                "sh",
-                "-c",
-                into,
-                "sh",
-                str(places.work / "notebooks"),
-                *kernel,
-            ]
+            into = ["sh", "-c", 'cd "$1" && shift && exec "$@"', "sh", str(places.work / "notebooks")]
+            kernel = ["env", "-i", *settings, *confined, *into, *QUIET, *kernel]
         spec = {"argv": kernel, "display_name": KERNEL, "language": "python", "interrupt_mode": "message"}
         folder = self._job / "jupyter/kernels" / KERNEL
         folder.mkdir(parents=True)
@@ -246,6 +242,8 @@ class _Run:
             return f"All was ended because there were more than {limits.processes} processes"
         if memory > limits.memory:
             return f"All was ended because more than {limits.memory / sandbox.MB:.0f} MB of memory were used"
+        if _in_files() - self._in_files > limits.memory:
+            return SHARED_OVER
         if time.monotonic() > self._deadline:
             return TIME_OVER
         return ""
@@ -266,6 +264,14 @@ class _Run:
     def __exit__(self, *_: Any) -> None:
         self._process.stop(0.1)
         self._stack.close()
+
+
+def _in_files() -> int:
+    """The bytes of memory on this machine that are in shared memory, or in files that lie in it."""
+    with contextlib.suppress(OSError, StopIteration, ValueError):
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        return 1024 * int(next(line for line in lines if line.startswith("Shmem:")).split()[1])
+    return 0
 
 
 @contextlib.contextmanager

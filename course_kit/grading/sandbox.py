@@ -24,6 +24,10 @@ NOT_APART = (
 )
 MB = 1 << 20
 TRY_TIMEOUT = 20.0
+# Of /proc what changes the machine: root may write it, whatever rights it has dropped.
+_SETTINGS = tuple(
+    word for name in ("sys", "sysrq-trigger", "irq", "bus") for word in ("--ro-bind-try", *2 * (f"/proc/{name}",))
+)
 # Of /etc only what names users and finds libraries, fonts and the time.
 ETC = ("alternatives", "fonts", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "timezone")
 
@@ -101,26 +105,14 @@ def inner(places: Places, environ: Mapping[str, str], limits: Limits, only: bool
     environment = [word for name, value in sorted(environ.items()) for word in ("--setenv", name, value)]
     if only:
         environment = ["--chdir", str(places.work / "notebooks"), "--clearenv", *environment]
+    work, meeting = str(places.work), str(places.run)
     # Signals that are meant for the program must not end bubblewrap, which waits for it.
     return [
         *("env", "--ignore-signal=INT", "bwrap", "--unshare-pid", "--unshare-ipc", "--unshare-uts"),
-        *("--die-with-parent", "--cap-drop", "ALL"),
-        *("--size", str(64 * MB), "--tmpfs", "/tmp", *_machine()),
-        *(
-            "--proc",
-            "/proc",
-            "--dev",
-            "/dev",
-            "--bind",
-            "/dev/shm",
-            "/dev/shm",
-            "--bind",
-            str(places.work),
-            str(places.work),
-            "--ro-bind",
-            str(places.run),
-        ),
-        *(str(places.run), *environment, "--", *limited(limits), "env", "--default-signal=INT"),
+        *("--die-with-parent", "--cap-drop", "ALL", "--size", str(64 * MB), "--tmpfs", "/tmp", *_machine()),
+        *("--proc", "/proc", *_SETTINGS, "--dev", "/dev", "--bind", "/dev/shm", "/dev/shm", "--remount-ro", "/dev"),
+        *("--bind", work, work, "--ro-bind", meeting, meeting, "--remount-ro", "/", *environment, "--"),
+        *(*limited(limits), "env", "--default-signal=INT"),
     ]
 
 
