@@ -99,6 +99,7 @@ class Grading:
             "verdict": None if verdict is None else asdict(verdict),
             "printed": "" if verdict is not None else shown(item),
             "shown": answer.get("shown", ""),
+            "is_ended": not item.parent.kernel.is_alive(),
             "is_interrupted": answer.get("is_interrupted", False),
             "seconds": time.monotonic() - answer.get("began", time.monotonic()),
             "stalled": answer["stall"].share() if "stall" in answer else 0.0,

@@ -90,7 +90,7 @@ def grade(
             lines, why = run.lines(), run.why
         done = {line[FOUND]: line for line in lines if FOUND in line}
         begun = [line[BEGUN] for line in lines if BEGUN in line]
-        silent = [name for name, line in done.items() if line["verdict"] is None]
+        silent = [name for name, line in done.items() if line["verdict"] is None or line["is_ended"]]
         lost = next(iter([*(name for name in begun[-1:] if name not in done), *silent]), "")
         if lost in left and lost in kept and len(answers) > 1 and lost not in tried:
             done.pop(lost, None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -10,7 +11,9 @@ from tests.exercises.chapter import Wrong, answers_to
 # Where these stand in an answer, the test puts a file of this machine, and a port at which it listens.
 CANARY, PORT = "@CANARY@", "@PORT@"
 ESCAPED = "ESCAPED"  # what an answer prints that has got at something
-LEFT_BEHIND = "course-cheat-left-behind"  # in the command line of processes that want to outlive the grading
+LEFT_BEHIND = (
+    f"course-cheat-left-behind-{os.getpid()}"  # in the command line of processes that want to outlive the grading
+)
 EMPTY = """
 class Lamp(Node):
     def __init__(self):

@@ -30,14 +30,11 @@ ENDS = {
         "import os\nfor number in range(3, 300):\n    try:\n        os.close(number)\n"
         "    except OSError:\n        pass",
     ),
-    # SCORES: nothing, but the kernel ends in the next check, and the honest answer there loses its points.
     "shuts_down": ("Have the kernel end itself.", "get_ipython().kernel.do_shutdown(False); exit()"),
     "raises_exit": ("Raise SystemExit.", "raise SystemExit(0)"),
-    # SCORES: the same.
-    "ends_later": (
-        "End the kernel a little later, while the next answer is looked at.",
-        "import os, threading, time\n"
-        "threading.Thread(target=lambda: (time.sleep(2.5), os._exit(0)), daemon=True).start()",
+    "ends_in_the_next_check": (
+        "End the kernel while the next answer is checked.",
+        "import os\nfrom course_kit.examining import answer_host\nanswer_host.obey = lambda *a: os._exit(0)",
     ),
     "kills_all": (
         "Kill and stop every process that can be seen.",
@@ -56,6 +53,7 @@ ENDS = {
         "Fork without end.",
         "import os\nwhile True:\n    try:\n        os.fork()\n    except OSError:\n        pass",
     ),
+    # SCORES: nothing, but what it keeps is not there for the next, honest answer.
     "memory": (
         "Fill the memory.",
         "import numpy\nkept = []\nwhile True:\n    kept.append(numpy.ones(25_000_000))",
@@ -104,7 +102,7 @@ ENDS = {
     ),
 }
 TIMEOUTS = {"hangs": 8.0, "ignores_interrupts": 8.0, "stops_itself": 8.0, "never_idle": 5.0, "closes_sockets": 8.0}
-DEFAULT = ("exits", "outlives")
+DEFAULT = ("outlives",)
 CHEATS = [
     Cheat(
         name,
@@ -236,15 +234,19 @@ for pid in [int(name) for name in os.listdir("/proc") if name.isdigit() and int(
             os.write(taken, b'{"verdict": {}}')
 """
 CHEATS += [
-    Cheat(name, "services-1", tries, f"{source}{EMPTY}{TRIED}", says="tried", by_default=name == "files")
+    Cheat(
+        name,
+        "services-1",
+        tries,
+        f"{source}{EMPTY}{TRIED}",
+        says="" if name == "hidden_memory" else "tried",  # which is ended
+        by_default=name == "files",
+    )
     for name, tries, source in [
         ("files", "Read or write what is not the answer's: tests, the job, the grader, the host.", FILES),
         ("network", "Reach another machine, the host's network, its abstract sockets.", NETWORK),
-        # SCORES: as root, /proc/sys can be written: `core_pattern` runs a program outside.
         ("kernel_settings", "Write settings of the machine's kernel, and have the rights of another process.", KERNEL),
-        # SCORES: the sandbox's / and /dev have no limit.
         ("folders_without_limit", "Fill folders that are no work folder.", SHARED),
-        # SCORES: files in memory are no process's own memory.
         ("hidden_memory", "Fill the memory with files that no process maps.", HIDDEN),
         ("start_up_files", "Have code loaded by whatever Python starts next.", START_UP),
         ("handles", "Take sockets out of other processes, and write a verdict.", HANDLES),

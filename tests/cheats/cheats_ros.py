@@ -12,20 +12,15 @@ from tests.exercises.workspace_greeters import BY_HAND, EDITED_INSTALLED, GREETE
 # Answers to what was drawn, by heart, and false nodes: those that the exercises are tested with.
 KNOWN = {
     "setup-1": ["elsewhere"],
-    "setup-3": ["false_poses", "false_and_bare", "false_beside_a_turtle", "two_of_that_name", "in_the_world"],
+    "setup-3": ["false_poses"],
     "topics-2": ["constant", "class_counts"],
-    "topics-3": ["begins_with_the_11th"],
-    "topics-4": ["killed", "teleported"],
+    "topics-4": ["killed"],
     "services-1": ["replayed"],
     "services-2": ["by_number"],
-    "services-3": ["keeps_answers"],
     "services-4": ["ignores_b"],
-    "actions-1": ["teleports", "drives", "half_a_turn_by_heart"],
+    "actions-1": ["teleports"],
     "actions-2": ["order_by_heart"],
-    "actions-3": ["by_time", "status_of_the_class"],
-    "debugging-3": ["counts"],
-    "debugging-5": ["counts"],
-    "debugging-6": ["four_publishers", "false_count"],
+    "debugging-6": ["four_publishers"],
 }
 HELPER = f"""
 import rclpy, sys
@@ -44,7 +39,10 @@ for node in (Told(), *(Node(name) for name in sys.argv[2:])):
     executor.add_node(node)
 open("state", "w").write("False")
 print("ready", flush=True)
-executor.spin()
+try:
+    executor.spin()
+finally:
+    rclpy.try_shutdown()
 """
 # Starts the helper when the checker has a node made, in the domain that it does so in, and reads what the helper has.
 WITH_HELPER = f"""
@@ -56,7 +54,8 @@ plain, helpers = answer_host.obey, []
 def obey(order, names, timeout):
     if order["do"] == "start":
         for earlier in helpers:
-            earlier.kill()
+            earlier.send_signal(2)
+            earlier.wait()
         words = [sys.executable, "helper.py", str(order["domain"]), *names_of(order)]
         helpers.append(subprocess.Popen(words, stdout=subprocess.PIPE, text=True))
         helpers[-1].stdout.readline()
@@ -139,13 +138,15 @@ CHEATS += [
         "services-1",
         "Have a process beside an empty class serve, in the checker's own domain.",
         f"names_of = lambda order: []\n{WITH_HELPER}{EMPTY}",
-        by_default=True,
     ),
-    Cheat(  # SCORES: 2, though the class is empty: what has the hidden node is taken for the answer.
+    Cheat(  # Its first lamp is taken for the answer; its second one is not, for it is another process.
         "helper_with_the_keepers_name",
         "services-1",
         "Have that process have the hidden node by which the checker knows the answer's participant.",
-        "names_of = lambda order: [f\"_stage_{order['token']}\"]\n" + WITH_HELPER + EMPTY,
+        "names_of = lambda order: [f\"_stage_{order['token']}\"]\n"
+        + WITH_HELPER
+        + "quiet = answer_host.quiet_node\nanswer_host.quiet_node = lambda name, context: quiet('_other', context)\n"
+        + EMPTY,
     ),
     Cheat(
         "only_on_the_stage",
