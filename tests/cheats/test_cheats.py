@@ -37,6 +37,7 @@ OPEN = {
     "no_run_cell": "the grader waits CHECK_TIMEOUT for a check that is never asked for",
     "never_idle": "what a cell gets that never says it has ended",
     "hangs_in_its_check": "what its neighbour keeps",
+    "hidden_memory": "it is ended, and with it what is graded beside it, which would have to be tried again",
     "memory": "its neighbour loses points while the memory is full",
     "helper_with_the_keepers_name": "two participants with the keeper's name",
     "only_beside_the_checker": "a node that behaves beside hidden nodes only",
