@@ -14,7 +14,7 @@ from typing import Any
 
 from course_kit import exercises
 from course_kit.examining import own_types
-from course_kit.examining.verdict import NOT_BEGUN, NOT_LOOKED_AT, Verdict
+from course_kit.examining.verdict import NOT_BEGUN, NOT_LOOKED_AT
 from course_kit.grading import master, notebook_run, sandbox
 from course_kit.grading.gradebook import write_whole
 from course_kit.grading.notebook_run import Found, Settings
@@ -49,14 +49,12 @@ class ClassRun:
                 keys_of[one.handin.student].append(key)
                 by_key[key] = work
         graded = {key: kept for key in by_key if (kept := self._kept(key)) is not None}
-        told: set[str] = set()
         results: dict[str, StudentResult] = {}
 
         def tell() -> None:
             for one in submissions:
                 student = one.handin.student
-                if student not in told and all(key in graded for key in keys_of[student]):
-                    told.add(student)
+                if student not in results and all(key in graded for key in keys_of[student]):
                     results[student] = self._result(
                         one, {n: f for key in keys_of[student] for n, f in graded[key].items()}
                     )
@@ -148,8 +146,7 @@ def course_digest() -> str:
 
 
 def _found(data: Mapping[str, Any]) -> Found:
-    result = data["result"]
-    return Found(ExerciseResult(**{**result, "verdict": Verdict.from_json(result["verdict"])}), float(data["stalled"]))
+    return Found(ExerciseResult.from_json(data["result"]), float(data["stalled"]))
 
 
 def _is_in_doubt(found: Found) -> bool:

@@ -23,11 +23,9 @@ NOT_NOW = "the grader has this exercise checked once, when its check cell runs"
 class Examiner:
     """The checker of one notebook, and the socket at which the kernel asks it."""
 
-    def __init__(
-        self, address: str, folder: Path, additions: Mapping[str, str], seeds: Mapping[str, int] | None = None
-    ) -> None:
-        """`folder` is the notebook's; `additions` to the checker's environment; `seeds` of checks to be repeated."""
-        self._folder, self._seeds = folder, dict(seeds or {})
+    def __init__(self, address: str, folder: Path, additions: Mapping[str, str]) -> None:
+        """`folder` is the notebook's; `additions` to the checker's environment."""
+        self._folder = folder
         self._listener = Listener(address, "AF_UNIX", backlog=16)
         self._checker = CheckerProcess(None, additions)
         self._lock = threading.Lock()
@@ -94,8 +92,8 @@ class Examiner:
                 return None
             self._kernel, self._is_asked = kernel, True
             self._deadline = time.monotonic() + START_TIMEOUT
-        seed = self._seeds.get(exercise)
-        return {"check": exercise, "value": message.get("value"), "folder": str(self._folder), "seed": seed}
+        # The checker draws the seed: not one that an answer has chosen.
+        return {"check": exercise, "value": message.get("value"), "folder": str(self._folder)}
 
     def _read_checker(self) -> None:
         with contextlib.suppress(Closed):

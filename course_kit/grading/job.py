@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 CHECK_TIMEOUT = 300.0  # seconds of the other cells; the checker ends its checks by itself
@@ -19,7 +19,6 @@ class Job:
     socket: str  # of the checker
     work: str  # the kernel's folder
     additions: Mapping[str, str]  # to the checker's environment
-    seeds: Mapping[str, int] = field(default_factory=dict)  # of checks to be repeated, by exercise
 
     def to_json(self) -> dict[str, Any]:
         """A form that json.dumps takes."""

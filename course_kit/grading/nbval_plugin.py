@@ -37,7 +37,7 @@ class Grading:
         self._timeout = timeout  # seconds of an answer's cell
         self._job = Job.from_json(json.loads((folder / JOB).read_text()))
         self._lines = open(folder / LINES, "a", buffering=1)  # noqa: SIM115  (closed in pytest_unconfigure)
-        self._examiner = Examiner(self._job.socket, Path(self._job.work), self._job.additions, self._job.seeds)
+        self._examiner = Examiner(self._job.socket, Path(self._job.work), self._job.additions)
         if (folder / SRC).is_dir():
             shutil.copytree(folder / SRC, Path(self._job.work, HANDED_IN))
         self._answer: dict[str, Any] = {}  # what the answer's cell did

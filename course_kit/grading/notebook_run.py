@@ -56,7 +56,6 @@ class Settings:
     timeout: float = 120.0  # seconds of an answer's cell
     limits: Limits = field(default_factory=Limits)
     is_apart: bool = True  # in sandboxes
-    seeds: Mapping[str, int] = field(default_factory=dict)  # of checks to be repeated as they were
 
 
 @dataclass(frozen=True)
@@ -214,7 +213,7 @@ class _Run:
         folder.mkdir(parents=True)
         (folder / "kernel.json").write_text(json.dumps(spec))
         additions = {CONFINED: json.dumps(confined), **({"TMPDIR": "/tmp"} if self._settings.is_apart else {})}
-        job = Job(str(places.socket), str(places.work / "notebooks"), additions, dict(self._settings.seeds))
+        job = Job(str(places.socket), str(places.work / "notebooks"), additions)
         (self._job / JOB).write_text(json.dumps(job.to_json()))
         for path, data in workspace.items():
             (file := self._job / SRC / path).parent.mkdir(parents=True, exist_ok=True)
@@ -284,8 +283,7 @@ def _folder() -> Iterator[str]:
     finally:
         for place, folders, _ in os.walk(made):
             for name in folders:
-                with contextlib.suppress(OSError):
-                    os.chmod(os.path.join(place, name), 0o700, follow_symlinks=True) if not os.path.islink(
-                        os.path.join(place, name)
-                    ) else None
+                if not os.path.islink(folder := os.path.join(place, name)):
+                    with contextlib.suppress(OSError):
+                        os.chmod(folder, 0o700)
         shutil.rmtree(made, ignore_errors=True)

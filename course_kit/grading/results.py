@@ -18,6 +18,11 @@ class ExerciseResult:
     seconds: float = 0.0  # that the answer and its check took
     tries: int = 1  # how often it was checked: once more, alone, where time was wanting
 
+    @staticmethod
+    def from_json(data: Mapping[str, Any]) -> ExerciseResult:
+        """The result that asdict() made this of. KeyError or TypeError for anything else."""
+        return ExerciseResult(**{**data, "verdict": Verdict.from_json(data["verdict"])})
+
 
 @dataclass(frozen=True)
 class StudentResult:
@@ -48,7 +53,5 @@ class StudentResult:
     def from_json(data: Mapping[str, Any]) -> StudentResult:
         """The result that to_json() made this of. KeyError or TypeError for anything else."""
         values = {name: value for name, value in data.items() if name not in ("points", "max_points")}
-        exercises = tuple(
-            ExerciseResult(**{**each, "verdict": Verdict.from_json(each["verdict"])}) for each in values["exercises"]
-        )
+        exercises = tuple(map(ExerciseResult.from_json, values["exercises"]))
         return StudentResult(**{**values, "exercises": exercises, "notes": tuple(values["notes"])})

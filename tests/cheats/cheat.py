@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from tests.exercises.chapter import Wrong, answers_to
+from tests.grading.handed_in import references
 
 # Where these stand in an answer, the test puts a file of this machine, and a port at which it listens.
 CANARY, PORT = "@CANARY@", "@PORT@"
@@ -48,6 +49,4 @@ def wrong(exercise: str, name: str) -> Wrong:
 
 def reference(exercise: str) -> str:
     """The right answer to an exercise, which runs by itself."""
-    module = answers_to(exercise.rpartition("-")[0])
-    right = next(answers.reference for answers in module.ANSWERS if answers.exercise == exercise)
-    return f"{getattr(module, 'PREPARE', '')}\n{right}"
+    return references(exercise.rpartition("-")[0])[exercise]
