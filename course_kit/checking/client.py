@@ -93,7 +93,8 @@ class _Conversation:
     def ask(self, exercise: str, value: Any, names: Mapping[str, Any], seed: int | None) -> Verdict:
         """Have an exercise checked. Raises Refused, or Stuck."""
         try:
-            self._channel.send({"check": exercise, "value": value, "folder": os.getcwd(), "seed": seed})
+            place = {"folder": os.getcwd(), "pid": os.getpid()}
+            self._channel.send({"check": exercise, "value": value, "seed": seed, **place})
             return self._converse(names)
         except TooLong as error:
             raise Refused(f"the value cannot be checked: {error}") from None

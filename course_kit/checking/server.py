@@ -76,13 +76,13 @@ class Checker:
         self._channel.send({"begun": exercise.timeout})
         seed = request.get("seed")
         seed = secrets.randbelow(SEEDS) if seed is None else int(seed)
-        return {"verdict": asdict(self.examine(exercise, request.get("value"), str(request["folder"]), seed))}
+        folder, pid = Path(request["folder"]), int(request["pid"])
+        running = Examination(exercise, self.stage, self.student, self._lookout.watched, self._order, folder, seed, pid)
+        return {"verdict": asdict(self.examine(running, request.get("value")))}
 
-    def examine(self, exercise: Exercise, value: Any, folder: str, seed: int) -> Verdict:
-        """Check one exercise; `folder` is the notebook's, `seed` that of all that is drawn."""
-        running = Examination(
-            exercise, self.stage, self.student, self._lookout.watched, self._order, Path(folder), seed
-        )
+    def examine(self, running: Examination, value: Any) -> Verdict:
+        """Check one exercise."""
+        exercise = running.exercise
         state, note, drawn = LOOKED_AT, "", running.random.getstate()
         examination.begin(running)
         _watch_over(exercise.timeout + WATCHDOG)
@@ -116,7 +116,7 @@ class Checker:
         if own_errors and not all(found.ok for found in findings):
             note = f"A part of the check itself failed, which may be why: {own_errors[0]!r}"
         has_drawn = state == LOOKED_AT and running.random.getstate() != drawn
-        shown = seed if has_drawn else None
+        shown = running.seed if has_drawn else None
         return Verdict(exercise.name, exercise.title, exercise.points, state, findings, note, shown)
 
     def _tidy(self, running: Examination) -> None:

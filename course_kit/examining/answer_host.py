@@ -60,13 +60,14 @@ class AnswerHost:
         self._as_made = contextvars.copy_context()
         self.errors: list[str] = []  # what the callbacks of the node raised
 
-    def start(self, node_class: type[Node], token: str = "", threads: bool | None = False) -> None:
+    def start(self, node_class: type[Node], keeper: str = "_ros2cli", threads: bool | None = False) -> None:
         """Make a node of the class and spin it; whatever its constructor raises is raised.
 
-        `threads`: whether with a MultiThreadedExecutor; None: if an action of the node blocks a thread.
+        `keeper`: the name of a hidden node beside it. `threads`: whether with a MultiThreadedExecutor; None: if an
+        action of the node blocks a thread.
         """
         self.stop()
-        earlier, self._keeper = self._keeper, quiet_node(f"_stage_{token}", self._context)
+        earlier, self._keeper = self._keeper, quiet_node(keeper, self._context)
         if earlier is not None:
             earlier.destroy_node()
         self.errors.clear()
@@ -195,7 +196,7 @@ def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
                 raise TypeError(f"{name} is not derived from rclpy.node.Node. Write: class {name}(Node)")
             threads = order["threads"]
             host.start(
-                node_class, order["token"], threads or _has_threads(name, names) if threads is not False else False
+                node_class, order["keeper"], threads or _has_threads(name, names) if threads is not False else False
             )
         case "stop":
             host.stop()

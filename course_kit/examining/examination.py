@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -28,6 +29,9 @@ def beside_the_notebook(folder: Path) -> Path:
     return Path(*folder.parts[:inside])
 
 
+LONGEST_HINT = 5_000  # characters: a student's value may be in it
+
+
 class Ended(Exception):  # noqa: N818  (reads as what happened)
     """Nothing more can be seen: what must hold first does not."""
 
@@ -47,6 +51,7 @@ class Examination:
     send_order: Callable[[dict[str, Any], float], dict[str, Any]]
     folder: Path = Path("/")  # the kernel's; then the notebook's
     seed: int = 0  # of all that the check draws
+    pid: int = field(default_factory=os.getpid)  # the process in which a student's class is made
     ending: ExitStack = field(default_factory=ExitStack)  # what ends with it, besides what the stations know
     programs: list[int] = field(default_factory=list)  # the ids of the processes that it has started
     findings: list[Finding] = field(default_factory=list)
@@ -69,7 +74,7 @@ class Examination:
         if strangers := self.stage.strangers(*self.only_for_the_answer):
             self._refuse(strangers)
         holds = bool(ok)
-        finding = Finding(text, holds, "" if holds else self._with_errors(hint), points)
+        finding = Finding(text, holds, "" if holds else self._with_errors(hint)[:LONGEST_HINT], points)
         if points or not holds or finding not in self.findings:  # what must hold for each of two nodes is said once
             self.findings.append(finding)
         if not holds and (needed or points == 0):

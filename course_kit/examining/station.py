@@ -31,6 +31,12 @@ LOG_PERIOD = 0.2  # seconds between two looks at what was logged
 KEPT = 20_000  # messages of one subscription
 KEPT_CHANGES = 50_000  # of one that is listened to for hours: a turtle moves for 13 minutes in as many poses
 POLL = 0.005  # seconds
+MOST_PROCESSES = 1 << 22  # of Linux
+
+
+def hidden_name(number: int) -> str:
+    """A node's name, as the `ros2` command calls its own with its process id: no answer can behave for a check only."""
+    return f"_ros2cli_{number}"
 
 
 @dataclass(slots=True)
@@ -145,16 +151,23 @@ class Station:
 
     # Whose is what. Where the middleware does not tell, or nothing is examined, all that is not the checker's counts.
 
-    def examine(self, node: str, timeout: float) -> bool:
-        """Let what the participant of a hidden node of this name does count; whether it was found in time."""
+    def examine(self, node: str, timeout: float, pid: int) -> bool:
+        """Let what the participant of a hidden node of this name does count; whether it was found in time.
+
+        `pid`: of the process in which it must be.
+        """
         if not self.discovery.reads:
             return True
+        pid_bits = {own & 0xFFFF for own in own_ids([pid])}
 
         def find() -> bool:
             found = {one.participant for one in self.discovery.announced() if (node, "/") in one.nodes}
-            if len(found) == 1:  # else another process says that it is the answer's
+            origins = [Origin.of(participant) for participant in found]
+            # Else another process says that it is the answer's.
+            if len(found) == 1 and all(origin is None or origin.pid_bits in pid_bits for origin in origins):
                 self._examined |= found
-            return len(found) == 1
+                return True
+            return False
 
         return wait_until(find, timeout, POLL)
 
@@ -257,8 +270,7 @@ class Station:
 
     def _hidden_node(self) -> Node:
         self._made += 1
-        # As the `ros2` command calls its nodes, so that no answer can behave for a checker only.
-        return quiet_node(f"_ros2cli_{os.getpid()}{self._made:03}", self.context)
+        return quiet_node(hidden_name(int(f"{os.getpid()}{self._made:03}")), self.context)
 
     def on_own_node(self, prepare: Callable[[Node], Made]) -> Made:
         """What `prepare` makes of a node in a thread of its own, which ends with the check."""

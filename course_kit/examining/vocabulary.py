@@ -13,6 +13,7 @@ from random import Random
 from typing import Any
 
 from course_kit.examining.examination import POLL, current
+from course_kit.examining.station import MOST_PROCESSES, hidden_name
 from course_kit.interface_types import type_name
 from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS
 from course_kit.turtlesim.node import TurtleSim
@@ -32,8 +33,8 @@ def answer(threads: bool | None = False) -> None:
     """
     exercise, stage = current().exercise, current().stage
     before = stage.their_nodes()
-    token = secrets.token_hex(4)
-    reply = current().order("start", 5.0, node_class=exercise.node_class, threads=threads, token=token)
+    keeper = hidden_name(secrets.randbelow(MOST_PROCESSES))
+    reply = current().order("start", 5.0, node_class=exercise.node_class, threads=threads, keeper=keeper)
     error = reply.get("error", "")
     hint = reply.get("trace", error)
     if "did not return" in error:
@@ -42,7 +43,7 @@ def answer(threads: bool | None = False) -> None:
             f"spun. Wait in a callback, or with a done callback."
         )
     require(f"a node is made of the class `{exercise.node_class}`", not error, hint)
-    is_seen = stage.examine(f"_stage_{token}", STAGE_TIMEOUT)
+    is_seen = stage.examine(keeper, STAGE_TIMEOUT, current().pid)
     require("the checker sees where it runs", is_seen, "Its process was not found. Restart the kernel and try again.")
     if exercise.node:
         expect_node(exercise.node, before)

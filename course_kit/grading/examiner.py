@@ -7,10 +7,13 @@ says there is forwarded while the exercise is examined whose check cell runs, on
 from __future__ import annotations
 
 import contextlib
+import os
+import socket
+import struct
 import threading
 import time
 from collections.abc import Mapping
-from multiprocessing.connection import Listener
+from multiprocessing.connection import Connection, Listener
 from pathlib import Path
 
 from course_kit.checking.client import GRACE, START_TIMEOUT, CheckerProcess
@@ -18,6 +21,8 @@ from course_kit.examining.channel import Channel, Closed, Message, TooLong
 from course_kit.examining.verdict import Verdict
 
 NOT_NOW = "the grader has this exercise checked once, when its check cell runs"
+ASK_TIMEOUT = 30.0  # seconds in which a check cell asks
+AFTER = 5.0  # seconds in which it ends after that
 
 
 class Examiner:
@@ -32,7 +37,7 @@ class Examiner:
         self._kernel: Channel | None = None  # the one that asked
         self._now = ""  # the exercise whose check cell runs
         self._is_asked = False
-        self._deadline = 0.0
+        self._deadline = 0.0  # until which it asks, or is answered
         self._verdict: Verdict | None = None
         self._examined = threading.Event()
         for work in (self._accept, self._read_checker):
@@ -42,6 +47,7 @@ class Examiner:
         """Its check cell begins to run."""
         with self._lock:
             self._now, self._is_asked, self._verdict = exercise, False, None
+            self._deadline = time.monotonic() + ASK_TIMEOUT
             self._examined.clear()
 
     def end(self) -> Verdict | None:
@@ -52,6 +58,12 @@ class Examiner:
         with self._lock:
             self._now = ""
             return self._verdict
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more is to be waited for: no question came, or its answer is there for a while."""
+        with self._lock:
+            return time.monotonic() > self._deadline and (self._examined.is_set() or not self._is_asked)
 
     @property
     def is_stuck(self) -> bool:
@@ -67,11 +79,11 @@ class Examiner:
     def _accept(self) -> None:
         with contextlib.suppress(OSError):
             while True:
-                channel = Channel(self._listener.accept())
-                threading.Thread(target=self._read_kernel, args=(channel,), daemon=True).start()
+                end = self._listener.accept()
+                threading.Thread(target=self._read_kernel, args=(Channel(end), _peer(end)), daemon=True).start()
 
-    def _read_kernel(self, kernel: Channel) -> None:
-        with contextlib.suppress(Closed, TooLong):
+    def _read_kernel(self, kernel: Channel, pid: int) -> None:
+        with contextlib.closing(kernel), contextlib.suppress(Closed, TooLong):
             while True:
                 message = kernel.receive()
                 if message is None:
@@ -79,12 +91,12 @@ class Examiner:
                 if "answer" in message:
                     if kernel is self._kernel:
                         self._checker.channel.send(message)
-                elif question := self._question(kernel, message):
+                elif question := self._question(kernel, pid, message):
                     self._checker.channel.send(question)
                 else:
                     kernel.send({"refused": NOT_NOW})
 
-    def _question(self, kernel: Channel, message: Message) -> Message | None:
+    def _question(self, kernel: Channel, pid: int, message: Message) -> Message | None:
         """What the checker is asked for a kernel; None if it is not the time for it."""
         with self._lock:
             exercise = message.get("check")
@@ -93,7 +105,7 @@ class Examiner:
             self._kernel, self._is_asked = kernel, True
             self._deadline = time.monotonic() + START_TIMEOUT
         # The checker draws the seed: not one that an answer has chosen.
-        return {"check": exercise, "value": message.get("value"), "folder": str(self._folder)}
+        return {"check": exercise, "value": message.get("value"), "folder": str(self._folder), "pid": pid}
 
     def _read_checker(self) -> None:
         with contextlib.suppress(Closed):
@@ -113,9 +125,18 @@ class Examiner:
             with self._lock:
                 if verdict.exercise == self._now:
                     self._verdict = verdict
-            self._examined.set()
             message = {"graded": verdict.exercise, "title": verdict.title}
-        elif "refused" in message:
-            self._examined.set()
+        if "graded" in message or "refused" in message:
+            with self._lock:
+                self._deadline = time.monotonic() + AFTER
+                self._examined.set()
         if self._kernel is not None:
             self._kernel.send(message)
+
+
+def _peer(end: Connection) -> int:
+    """The process at the other end, as the machine tells it."""
+    credentials = struct.Struct("3i")  # its id, its user's, its group's
+    with socket.socket(fileno=os.dup(end.fileno())) as same:
+        told = same.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, credentials.size)
+    return int(credentials.unpack(told)[0])

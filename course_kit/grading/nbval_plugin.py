@@ -11,7 +11,7 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import asdict
 from pathlib import Path
 from queue import Empty
@@ -28,6 +28,7 @@ from course_kit.grading.rebuild import HANDED_IN
 LONGEST_SHOWN = 2_000  # characters of what an answer's cell printed, for the student
 KEPT_OUTPUT = 200_000  # characters of what a cell prints; the rest is dropped as it comes
 POLL = 0.5  # seconds after which one looks whether the kernel still lives
+GRACE = 15.0  # seconds that a cell may take more than its time: to be interrupted, and to say that it has ended
 
 
 class Grading:
@@ -41,6 +42,8 @@ class Grading:
         if (folder / SRC).is_dir():
             shutil.copytree(folder / SRC, Path(self._job.work, HANDED_IN))
         self._answer: dict[str, Any] = {}  # what the answer's cell did
+        self._deadline = 0.0  # of the cell
+        self._is_checked = False  # whether the cell is that of a check
 
     def _write(self, **line: Any) -> None:
         self._lines.write(json.dumps(line) + "\n")
@@ -49,7 +52,7 @@ class Grading:
     def pytest_runtest_setup(self, item: Any) -> None:
         """Look at the kernel's life while waiting for it, and keep no flood; nbval has started it by now."""
         if not hasattr(item.parent.kernel, "is_watched"):
-            _watch(item.parent.kernel)
+            _watch(item.parent.kernel, self._is_over)
         item.parent.kernel.printed = 0
 
     @pytest.hookimpl(wrapper=True)
@@ -57,7 +60,8 @@ class Grading:
         """Run a cell; have the exercise of a check cell examined meanwhile."""
         mark, began = mark_of(item.cell), time.monotonic()
         role, exercise = mark.get("role"), mark.get("exercise", "")
-        item.config.option.nbval_cell_timeout = self._timeout if role == ANSWER else CHECK_TIMEOUT
+        timeout = item.config.option.nbval_cell_timeout = self._timeout if role == ANSWER else CHECK_TIMEOUT
+        self._deadline, self._is_checked = began + timeout + GRACE, role == CHECK
         item.parent.timed_out = False  # a cell that was interrupted costs the others nothing
         if role == ANSWER:
             self._write(**{BEGUN: exercise})
@@ -92,6 +96,10 @@ class Grading:
             item.failure = report.longreprtext
         return report
 
+    def _is_over(self) -> bool:
+        """Whether a cell that does not say that it has ended is waited for no longer."""
+        return time.monotonic() > self._deadline or (self._is_checked and self._examiner.is_over)
+
     def _found(self, item: Any) -> dict[str, Any]:
         verdict = getattr(item, "verdict", None)
         answer, self._answer = self._answer, {}
@@ -111,13 +119,15 @@ class Grading:
         self._lines.close()
 
 
-def _watch(kernel: Any) -> None:
-    """Have a wait for a kernel's message end when the kernel does, and outputs of a cell beyond a limit dropped."""
+def _watch(kernel: Any, is_over: Callable[[], bool]) -> None:
+    """Have a wait for a kernel's message end when the kernel or the cell's time does, and floods of output dropped."""
     plain, kernel.is_watched = kernel.get_message, True
 
     def get_message(stream: str, timeout: float | None = None) -> Any:
         deadline = time.monotonic() + (1e9 if timeout is None else timeout)
         while True:
+            if is_over():
+                raise RuntimeError("the cell did not say that it has ended")
             try:
                 message = plain(stream, timeout=max(0.0, min(POLL, deadline - time.monotonic())))
             except Empty:

@@ -24,7 +24,7 @@ import psutil  # type: ignore[import-untyped]
 from course_kit.checking import client, surroundings
 from course_kit.examining.verdict import IN_TIME, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 from course_kit.examining.workspace_terminal import CONFINED
-from course_kit.grading import sandbox
+from course_kit.grading import memory_use, sandbox
 from course_kit.grading.domains import a_domain
 from course_kit.grading.job import BEGUN, CHECK_TIMEOUT, FOUND, JOB, LINES, SRC, Job
 from course_kit.grading.master import Chapter, Task
@@ -146,7 +146,7 @@ class _Run:
     ) -> None:
         self._settings = settings
         self._stack = contextlib.ExitStack()
-        self._in_files = _in_files()
+        self._in_files = memory_use.in_files()
         self.why = ""  # what ended it, if it did not end by itself
         outside = Path(self._stack.enter_context(_folder()))
         self._job = outside / "job"
@@ -231,17 +231,15 @@ class _Run:
 
     def _excess(self) -> str:
         """What it uses more of than it may, in words; nothing if it does not."""
-        limits, memory, count = self._settings.limits, 0, 0
+        limits, processes = self._settings.limits, list[psutil.Process]()
         with contextlib.suppress(psutil.Error):
-            for process in psutil.Process(self._process.pid).children(recursive=True):
-                with contextlib.suppress(psutil.Error):
-                    memory += process.memory_info().rss
-                    count += 1
-        if count > limits.processes:
+            processes = psutil.Process(self._process.pid).children(recursive=True)
+        if len(processes) > limits.processes:
             return f"All was ended because there were more than {limits.processes} processes"
-        if memory > limits.memory:
+        if memory_use.of(processes) > limits.memory:
             return f"All was ended because more than {limits.memory / sandbox.MB:.0f} MB of memory were used"
-        if _in_files() - self._in_files > limits.memory:
+        # Whose it is cannot be told: what is ended wrongly is tried again.
+        if memory_use.in_files() - self._in_files > 2 * limits.memory:
             return SHARED_OVER
         if time.monotonic() > self._deadline:
             return TIME_OVER
@@ -263,14 +261,6 @@ class _Run:
     def __exit__(self, *_: Any) -> None:
         self._process.stop(0.1)
         self._stack.close()
-
-
-def _in_files() -> int:
-    """The bytes of memory on this machine that are in shared memory, or in files that lie in it."""
-    with contextlib.suppress(OSError, StopIteration, ValueError):
-        lines = Path("/proc/meminfo").read_text().splitlines()
-        return 1024 * int(next(line for line in lines if line.startswith("Shmem:")).split()[1])
-    return 0
 
 
 @contextlib.contextmanager

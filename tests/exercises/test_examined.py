@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import threading
 from collections.abc import Iterator
 
@@ -26,7 +27,7 @@ from course_kit.spinning import context as ros_context
 from course_kit.spinning.executors import SpinThread
 from tests.waiting import wait_until
 
-TOKEN = "t"
+KEEPER = "_keeper"
 
 
 class Empty(Node):
@@ -130,14 +131,14 @@ def stranger(examination: Examination) -> Iterator[Node]:
 
 
 def examine(host: AnswerHost, examination: Examination, node_class: type[Node]) -> None:
-    host.start(node_class, TOKEN)
-    assert examination.stage.examine(f"_stage_{TOKEN}", 5.0)
+    host.start(node_class, KEEPER)
+    assert examination.stage.examine(KEEPER, 5.0, os.getpid())
 
 
 def test_a_second_answer_is_not_the_first(host: AnswerHost, examination: Examination) -> None:
     for number, node_class in enumerate((Talker, Serves, Talker, Serves)):
-        host.start(node_class, str(number))
-        assert examination.stage.examine(f"_stage_{number}", 5.0)
+        host.start(node_class, f"_keeper_{number}")
+        assert examination.stage.examine(f"_keeper_{number}", 5.0, os.getpid())
         name = "/lamp" if node_class is Serves else "/talker"
         wait_until(lambda: examination.stage.their_nodes())
         assert examination.stage.their_nodes() == [name]
@@ -190,7 +191,7 @@ def test_the_stage_looks_like_the_domain_of_the_notebook(host: AnswerHost) -> No
             seen.append(self.context.get_domain_id())
             seen.append(rclpy.get_default_context().get_domain_id())
 
-    host.start(Looks, TOKEN)
+    host.start(Looks, KEEPER)
     assert seen == [rclpy.get_default_context().get_domain_id()] * 2
     assert host.domain not in seen
 
@@ -214,5 +215,5 @@ def test_the_executor_is_the_one_that_the_node_needs(
         async def execute_async(self, goal: object) -> Fibonacci.Result:
             return Fibonacci.Result()
 
-    host.start(Counts, TOKEN, threads)
+    host.start(Counts, KEEPER, threads)
     assert isinstance(host.node.executor, MultiThreadedExecutor) == wanted
