@@ -14,7 +14,7 @@ import pytest
 
 from course_kit import start, stop, wait_for
 from course_kit.programs import processes
-from course_kit.programs.process_output import LineCutter, as_seen
+from course_kit.programs.process_output import LONGEST_LINE, LineCutter, as_seen
 from tests.kernel import Kernel
 from tests.ros2_launches import is_alive, none_left
 from tests.waiting import wait_until
@@ -154,6 +154,13 @@ def test_lines_are_cut_anywhere_and_have_no_colours():
     lines = [as_seen(line) for n in range(len(text)) for line in cutter.feed(text[n : n + 1])]
     assert lines == ["réd", "100 %"]
     assert cutter.rest() == ["rest"] and cutter.rest() == []
+
+
+def test_a_line_without_end_is_cut():
+    cutter = LineCutter()
+    lines = [line for _ in range(50) for line in cutter.feed(b"x" * 65536)] + cutter.rest()
+    assert sum(map(len, lines)) == 50 * 65536
+    assert max(map(len, lines)) <= LONGEST_LINE + 65536
 
 
 def test_a_program_that_ends_ends_its_processes(tmp_path):

@@ -10,13 +10,13 @@ import html
 import itertools
 import json
 import os
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from course_kit import exercises
 from course_kit.examining.exercise import Exercise
 from course_kit.examining.verdict import LOOKED_AT, Verdict
+from course_kit.whole_files import write_whole
 
 FOLDER, FILE = "ros2-notebook-course", "progress.json"
 
@@ -65,10 +65,8 @@ def record(verdict: Verdict) -> str:
             notice = f"{damaged}. It is now {_set_aside(file)}, and points are counted anew."
         if points.get(verdict.exercise, -1) < verdict.points:
             points[verdict.exercise] = verdict.points
-            # All of it or nothing: whoever reads meanwhile finds the old file.
-            with tempfile.NamedTemporaryFile("w", dir=file.parent, delete=False) as new:
-                new.write(json.dumps({"points": dict(sorted(points.items()))}, indent=1) + "\n")
-            os.replace(new.name, file)
+            text = json.dumps({"points": dict(sorted(points.items()))}, indent=1) + "\n"
+            write_whole(file, text.encode(), mode=0o600)
         return notice
 
 

@@ -16,10 +16,10 @@ from course_kit import exercises
 from course_kit.examining import own_types
 from course_kit.examining.verdict import NOT_BEGUN, NOT_LOOKED_AT
 from course_kit.grading import master, notebook_run, sandbox
-from course_kit.grading.gradebook import write_whole
 from course_kit.grading.notebook_run import Found, Settings
 from course_kit.grading.results import ExerciseResult, StudentResult
 from course_kit.grading.submission import Submission, Work
+from course_kit.whole_files import write_whole
 
 KEPT = "graded"  # the folder of results that are used again
 FORMAT = 1  # of what is kept

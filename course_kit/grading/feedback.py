@@ -18,6 +18,7 @@ from course_kit.grading import gradebook
 from course_kit.grading.gradebook import plain
 from course_kit.grading.results import ExerciseResult, StudentResult
 from course_kit.grading.table import by_chapter, points_of
+from course_kit.whole_files import write_whole
 
 FOLDER = "feedback"
 MOST_HINTS = 15
@@ -32,7 +33,7 @@ def write(results: Sequence[StudentResult], folder: Path, title: str) -> list[Pa
     names = gradebook.file_names(results)
     pages = {f"{names[result.student]}.html": _student_page(result, title) for result in results}
     pages["class.html"] = _class_page(results, names, title)
-    return [gradebook.write_whole(folder / FOLDER / name, page.encode()) for name, page in pages.items()]
+    return [write_whole(folder / FOLDER / name, page.encode()) for name, page in pages.items()]
 
 
 @cache

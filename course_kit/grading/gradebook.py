@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 import re
 import unicodedata
 from collections.abc import Iterable, Sequence
@@ -15,6 +14,7 @@ from typing import Any
 from course_kit.examining.verdict import LOOKED_AT, NOT_LOOKED_AT
 from course_kit.grading.results import ExerciseResult, StudentResult
 from course_kit.programs.process_output import as_seen
+from course_kit.whole_files import write_whole
 
 FORMAT = 1  # of grades.json
 LONGEST_NAME = 80  # bytes of UTF-8
@@ -42,18 +42,6 @@ def write(results: Sequence[StudentResult], folder: Path, title: str) -> list[Pa
         for result in results:
             files[f"gradescope/{names[result.student]}/results.json"] = _json(_gradescope(result))
     return [write_whole(folder / name, content) for name, content in files.items()]
-
-
-def write_whole(path: Path, content: bytes) -> Path:
-    """Write a file so that whoever reads meanwhile finds all of the old one or all of the new one; return it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        new.write_bytes(content)
-        os.replace(new, path)
-    finally:
-        new.unlink(missing_ok=True)
-    return path
 
 
 def file_names(results: Iterable[StudentResult]) -> dict[str, str]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import shutil
 import time
 from collections.abc import Callable, Generator
@@ -20,6 +19,7 @@ from typing import Any
 import pytest
 
 from course_kit.grading.examiner import Examiner
+from course_kit.grading.gradebook import plain
 from course_kit.grading.job import BEGUN, CHECK_TIMEOUT, FOUND, JOB, LINES, SRC, Job
 from course_kit.grading.machine_load import Stall
 from course_kit.grading.master import ANSWER, CHECK, PREREQUISITE, mark_of
@@ -165,7 +165,7 @@ def shown(item: Any) -> str:
     failure = getattr(item, "failure", "")
     if failure and not any(output.output_type == "error" for output in item.test_outputs or []):
         texts.append(failure.splitlines()[-1])
-    text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", "\n".join(text.rstrip("\n") for text in texts if text))
+    text = plain("\n".join(text.rstrip("\n") for text in texts if text))
     return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN // 2]}\n…\n{text[-LONGEST_SHOWN // 2 :]}"
 
 

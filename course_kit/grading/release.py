@@ -9,7 +9,6 @@ import os
 import re
 import stat
 import subprocess
-import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
@@ -19,6 +18,7 @@ from typing import Any
 import nbformat
 
 from course_kit.grading.master import ANSWER, CHECK, EXERCISE, mark_of
+from course_kit.whole_files import write_whole
 
 CLONE = Path(__file__).parents[2]
 TOP, MANIFEST, FORMAT = "ros2-notebook-course", "manifest.json", 1
@@ -63,11 +63,8 @@ def write(zip_path: Path, root: Path = CLONE) -> Path:
     files[MANIFEST] = MODES["100644"], (json.dumps(manifest, indent=1, sort_keys=True) + "\n").encode()
     _tell_uncommitted(root)
     try:
-        # Beside it, so that taking its place is one step.
-        with tempfile.TemporaryDirectory(prefix=f".{zip_path.name}-", dir=zip_path.parent) as folder:
-            new = Path(folder, "new.zip")
-            new.write_bytes(_zipped(files))
-            os.replace(new, zip_path)
+        zip_path.parent.stat()  # a folder that is not there is a mistake, and not made
+        write_whole(zip_path, _zipped(files))
     except OSError as error:
         raise Refused(f"{zip_path} cannot be written: {error.strerror}") from None
     return zip_path

@@ -17,6 +17,7 @@ CHUNK = 65536
 POLL = 0.1  # seconds between two looks at whether the process has ended
 # Output that grandchildren hold open is not waited for longer than this once the process has ended.
 PATIENCE = 0.5
+LONGEST_LINE = 1_000_000  # characters; a longer one is cut
 _ESCAPES = re.compile(r"\x1b\[[0-?]*[ -/]*[@-~]|\x1b\][^\x07\x1b]*(?:\x07|\x1b\\)|\x1b[@-Z\\-_]")
 
 
@@ -41,8 +42,11 @@ class LineCutter:
         self._partial = ""
 
     def feed(self, data: bytes) -> list[str]:
-        """The lines that are complete now."""
+        """The lines that are complete now, or as long as a line may be."""
         *complete, self._partial = (self._partial + self._decoder.decode(data)).split("\n")
+        if len(self._partial) > LONGEST_LINE:
+            complete.append(self._partial)
+            self._partial = ""
         return complete
 
     def rest(self) -> list[str]:

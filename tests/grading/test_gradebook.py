@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
-import stat
 from pathlib import Path
 from typing import Any
 
@@ -247,13 +245,3 @@ def test_names_of_files_do_not_depend_on_the_order():
 def test_two_results_of_one_student_are_refused():
     with pytest.raises(ValueError, match="two results of 'anna'"):
         gradebook.file_names([student("anna"), student("anna")])
-
-
-def test_files_are_written_whole(tmp_path, monkeypatch):
-    file = gradebook.write_whole(tmp_path / "new" / "a.txt", b"first")
-    assert stat.S_IMODE(file.stat().st_mode) & 0o600 == 0o600
-    monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError("the disk is full")))
-    with pytest.raises(OSError, match="full"):
-        gradebook.write_whole(file, b"second")
-    assert file.read_bytes() == b"first"
-    assert [each.name for each in file.parent.iterdir()] == ["a.txt"]
