@@ -21,6 +21,8 @@ import os, sys
 with open({file!r}, "a") as file:
     file.write(f"{{os.getpid()}}\\n")
 """
+PACKAGE = "robot_interfaces"
+TEXTS = own_types.own_texts(PACKAGE)
 BLOCKED = """
 import os, sys
 from course_kit.checking import server
@@ -95,19 +97,24 @@ def test_a_read_that_blocks_is_ended(tmp_path: Path) -> None:
 
 def test_the_types_of_the_checker_lie_with_the_course(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    own_types.base.cache_clear()
-    assert own_types.base().is_relative_to(sys.prefix)
+    assert own_types.folder_of(PACKAGE, TEXTS).is_relative_to(sys.prefix)
 
 
-def test_types_are_kept_for_the_process_where_the_course_cannot_be_written(
+def test_types_are_kept_for_the_process_where_the_course_cannot_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(own_types, "base", lambda: Path("/proc/no_such"))
+    folder = own_types.folder_of(PACKAGE, TEXTS)
+    assert folder.parent.is_dir() and not folder.is_relative_to("/proc")
+
+
+def test_types_that_were_compiled_are_used_where_nothing_can_be_written(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(sys, "prefix", "/proc/no_such")
-    own_types.base.cache_clear()
-    try:
-        assert own_types.base().is_dir() and not own_types.base().is_relative_to("/proc")
-    finally:
-        own_types.base.cache_clear()
+    monkeypatch.setattr(own_types, "base", lambda: tmp_path)
+    (compiled := own_types.folder_of(PACKAGE, TEXTS)).mkdir()
+    assert compiled.parent == tmp_path
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert own_types.folder_of(PACKAGE, TEXTS) == compiled
+    assert own_types.folder_of(PACKAGE, {"msg/Other.msg": ""}).parent != tmp_path
 
 
 def test_of_a_sourced_ros_all_is_kept_that_lies_in_its_folder(tmp_path: Path) -> None:
