@@ -79,8 +79,9 @@ def test_a_users_profile_in_the_newer_variable_wins_too():
     assert kept == "None"
 
 
-def test_ros_localhost_only_is_not_contradicted():
-    assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE", ROS_LOCALHOST_ONLY="1") == "None"
+@pytest.mark.parametrize(("value", "expected"), [("1", "LOCALHOST"), ("0", "SUBNET"), ("", "LOCALHOST")])
+def test_ros_localhost_only_is_not_contradicted(value, expected):
+    assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE", ROS_LOCALHOST_ONLY=value) == expected
 
 
 def test_users_get_domains_of_their_own_that_are_never_zero():

@@ -83,8 +83,9 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     environ["PATH"] = os.pathsep.join([bin_folder, *others])
     if " " in prefix:
         _allow_spaces(prefix, environ)
-    if "ROS_LOCALHOST_ONLY" not in environ:
-        environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # The older variable counts where it is set; the profile reads the newer one.
+    is_open = (environ.get("ROS_LOCALHOST_ONLY") or "1") != "1"
+    environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET" if is_open else "LOCALHOST")
     environ.setdefault("ROS_DOMAIN_ID", str(user_domain(os.getuid())))
     # Without the check, which ROS 2 leaves out by default, an int in a float field arrives as garbage.
     environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
