@@ -14,18 +14,25 @@ MEMFD = "/memfd:"  # what the link of a file begins with that lies in memory onl
 
 
 def of(processes: Iterable[psutil.Process]) -> int:
-    """The bytes that these processes use, and those of the files in memory that they have open."""
-    used, files = 0, dict[tuple[int, int], int]()
+    """The bytes that these processes use."""
+    used = 0
     for process in processes:
-        with contextlib.suppress(psutil.Error):
+        with contextlib.suppress(psutil.Error):  # it has ended
             used += process.memory_info().rss
+    return used
+
+
+def of_files(processes: Iterable[psutil.Process]) -> int:
+    """The bytes of the files in memory that these processes have open, whether they map them or not."""
+    files: dict[tuple[int, int], int] = {}
+    for process in processes:
         with contextlib.suppress(OSError):  # it has ended
             for entry in os.scandir(f"/proc/{process.pid}/fd"):
                 with contextlib.suppress(OSError):
                     if os.readlink(entry.path).startswith(MEMFD):
                         file = os.stat(entry.path)
                         files[file.st_dev, file.st_ino] = file.st_blocks * BLOCK
-    return used + sum(files.values())
+    return sum(files.values())
 
 
 def in_files() -> int:

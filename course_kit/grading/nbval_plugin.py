@@ -87,6 +87,7 @@ class Grading:
         report = yield
         if call.when == "call":
             item.failure = report.longreprtext if report.failed else ""
+            item.is_ended = not item.parent.kernel.is_alive()  # after its last cell nbval ends it itself
             if mark_of(item.cell).get("role") == CHECK:
                 item.verdict = self._examiner.end()
                 is_full = item.verdict is not None and item.verdict.is_full
@@ -107,7 +108,7 @@ class Grading:
             "verdict": None if verdict is None else asdict(verdict),
             "printed": "" if verdict is not None else shown(item),
             "shown": answer.get("shown", ""),
-            "is_ended": not item.parent.kernel.is_alive(),
+            "is_ended": getattr(item, "is_ended", True),
             "is_interrupted": answer.get("is_interrupted", False),
             "seconds": time.monotonic() - answer.get("began", time.monotonic()),
             "stalled": answer["stall"].share() if "stall" in answer else 0.0,

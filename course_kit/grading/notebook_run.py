@@ -236,10 +236,12 @@ class _Run:
             processes = psutil.Process(self._process.pid).children(recursive=True)
         if len(processes) > limits.processes:
             return f"All was ended because there were more than {limits.processes} processes"
-        if memory_use.of(processes) > limits.memory:
+        more_in_files = memory_use.in_files() - self._in_files  # of the whole machine
+        memory = memory_use.of(processes) + (memory_use.of_files(processes) if more_in_files > limits.memory / 2 else 0)
+        if memory > limits.memory:
             return f"All was ended because more than {limits.memory / sandbox.MB:.0f} MB of memory were used"
         # Whose it is cannot be told: what is ended wrongly is tried again.
-        if memory_use.in_files() - self._in_files > 2 * limits.memory:
+        if more_in_files > 2 * limits.memory:
             return SHARED_OVER
         if time.monotonic() > self._deadline:
             return TIME_OVER
