@@ -16,8 +16,8 @@ import pytest
 
 from course_kit.examining.domains import STAGES
 from course_kit.internals.fastdds_parts import participant_ports
+from tests.benchmark.child import PROFILES
 
-STOCK = Path(__file__).with_name("benchmark") / "stock_profile.xml"  # of one who comes with nothing of the course's
 HERE, THERE = "10.77.0.1", "10.77.0.2"
 DOMAIN = 42
 LOOPBACK, EVERYWHERE = "0100007F", "00000000"  # as /proc/net/udp writes them
@@ -116,9 +116,9 @@ def victim(host: str, folder: Path, reach: str) -> Iterator[None]:
 
 def attack(host: str, seconds: float) -> dict[str, Any]:
     """What one on the other host gets, who knows the address, the domain and the stages."""
-    environ = dict(os.environ) | {"FASTRTPS_DEFAULT_PROFILES_FILE": str(STOCK), "ROS_STATIC_PEERS": HERE}
-    environ |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_LOCALHOST_ONLY": "0"}
-    environ.pop("ROS_LOCALHOST_ONLY")
+    environ = dict(os.environ) | {"FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILES["stock"]), "ROS_STATIC_PEERS": HERE}
+    environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
+    environ.pop("ROS_LOCALHOST_ONLY", None)
     domains = json.dumps([DOMAIN, STAGES[0]])
     command = ["ip", "netns", "exec", host, sys.executable, "-c", ATTACKER, domains, str(seconds)]
     done = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=90)

@@ -10,7 +10,8 @@ import threading
 import time
 from typing import Any
 
-from course_kit.examining.station import Heard, Station
+from course_kit.examining.heard import Heard
+from course_kit.examining.station import Station
 from course_kit.watching import topics
 
 PERIOD = 0.02  # seconds: a cell that stops a simulator and then lists the topics must not find the checker's

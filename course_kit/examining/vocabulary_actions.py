@@ -16,8 +16,8 @@ from rclpy.task import Future
 from turtlesim.action import RotateAbsolute
 
 from course_kit.examining.examination import current
+from course_kit.examining.heard import Heard
 from course_kit.examining.introduction import meet
-from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import arrival_timeout, expect_type, nearest, nobody_else, require, wait
 from course_kit.examining.vocabulary_services import ANSWER_TIMEOUT, CONNECT_TIMEOUT
 from course_kit.internals.rmw_parts import action_topics

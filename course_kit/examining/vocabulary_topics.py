@@ -16,8 +16,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from turtlesim.msg import Pose
 
 from course_kit.examining.examination import current
+from course_kit.examining.heard import Heard
 from course_kit.examining.introduction import meet
-from course_kit.examining.station import Heard
 from course_kit.examining.vocabulary import arrival_timeout, expect, expect_type, nearest, pause, require, wait
 from course_kit.recordings.measure import measure
 from course_kit.turtlesim.turtle import TICK

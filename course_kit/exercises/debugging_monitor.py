@@ -14,7 +14,7 @@ from sensor_msgs.msg import LaserScan
 from turtlesim.msg import Pose
 
 from course_kit.examining.exercise import exercise
-from course_kit.examining.station import Heard
+from course_kit.examining.heard import Heard
 from course_kit.examining.vocabulary import answer, chance, expect, pause, wait
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,

@@ -13,7 +13,7 @@ from std_msgs.msg import Bool
 
 from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
-from course_kit.examining.station import Heard
+from course_kit.examining.heard import Heard
 from course_kit.examining.vocabulary import answer, chance, expect, pause
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,

@@ -13,7 +13,7 @@ from turtlesim.srv import Kill, Spawn
 
 from course_kit.examining import trails
 from course_kit.examining.exercise import exercise
-from course_kit.examining.station import Heard
+from course_kit.examining.heard import Heard
 from course_kit.examining.vocabulary import (
     a_turtle,
     answer,

@@ -11,7 +11,7 @@ from turtlesim.msg import Pose
 
 from course_kit.examining import circles, paths
 from course_kit.examining.exercise import exercise
-from course_kit.examining.station import Heard
+from course_kit.examining.heard import Heard
 from course_kit.examining.vocabulary import (
     a_turtle,
     answer,

@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any
 
 from course_kit.examining.exercise import exercise
-from course_kit.examining.station import Heard
+from course_kit.examining.heard import Heard
 from course_kit.examining.vocabulary import answer, chance, expect, require, wait
 from course_kit.examining.vocabulary_services import Client, expect_service
 from course_kit.examining.vocabulary_topics import expect_topic, listen, rate, values

@@ -14,7 +14,7 @@ from course_kit.colcon import regular_files
 from course_kit.examining import paths, squares
 from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
-from course_kit.examining.station import Heard
+from course_kit.examining.heard import Heard
 from course_kit.examining.vocabulary import a_turtle, chance, expect, pause, wait
 from course_kit.examining.vocabulary_topics import hear_the_turtle, listen
 from course_kit.examining.vocabulary_workspace import (

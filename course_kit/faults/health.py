@@ -11,8 +11,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from course_kit.examining.heard import Heard
 from course_kit.examining.paths import length
-from course_kit.examining.station import Heard, Station
+from course_kit.examining.station import Station
 from course_kit.examining.verdict import Finding
 from course_kit.ros_graph import graph
 from course_kit.watching.topics import message_class

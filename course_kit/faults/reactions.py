@@ -23,7 +23,8 @@ from std_msgs.msg import Float32, Int32
 from turtlesim.msg import Pose
 from turtlesim.srv import TeleportAbsolute
 
-from course_kit.examining.station import Heard, Station
+from course_kit.examining.heard import Heard
+from course_kit.examining.station import Station
 from course_kit.examining.verdict import Finding
 from course_kit.examining.vocabulary_services import Client
 from course_kit.faults.health import RATE

@@ -17,7 +17,8 @@ from std_msgs.msg import String
 
 from course_kit.examining.answer_host import AnswerHost
 from course_kit.examining.examination import Examination
-from course_kit.examining.station import KEPT, Heard, Station
+from course_kit.examining.heard import KEPT, Heard
+from course_kit.examining.station import Station
 from course_kit.examining.vocabulary import ARRIVAL_TIMEOUT, expect_node
 from tests.waiting import wait_until
 
