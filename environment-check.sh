@@ -19,7 +19,10 @@ uv_hashes=(
 )
 other_set_up_timeout=900 # seconds
 
-say() { printf '%s\n' "$*" >&2; }
+say() {
+    stop_ticker
+    printf '%s\n' "$*" >&2
+}
 
 die() {
     say "environment-check: $*"
@@ -168,21 +171,60 @@ make_venv() {
     digest=$(bare "$python" stamp digest) # of what is installed now, whatever changes meanwhile
     remove_old_venv
     { mkdir "$venv" && echo unfinished > "$stamp"; } 2>> "$log" || fail "The folder .venv could not be made."
+    begin_step "Making the environment"
     create_venv
     use_settings_of_pip
+    begin_step "Fetching the installer"
     find_uv
     install_packages
+    stop_ticker
     { echo "$digest" > "$stamp.new" && mv "$stamp.new" "$stamp"; } 2>> "$log" || fail "Set-up could not be finished."
     say "Set up in $((SECONDS - begun)) s."
 }
 
-# Runs a step of set-up; what it says goes into the log, from which a failure is explained.
+# ---- Steps of set-up
+
+steps=4
+step_number=0
+ticker='' # the process that keeps the line of a step up to date
+
+# Says which step begins; in a terminal that line counts its seconds.
+begin_step() {
+    stop_ticker
+    ((++step_number))
+    if [[ -t 2 && ${TERM:-dumb} != dumb ]]; then
+        tick "[$step_number/$steps] $1" 9>&- & # without the lock, which it could outlive
+        ticker=$!
+    else
+        say "[$step_number/$steps] $1"
+    fi
+}
+
+# Until it is stopped, or the script has ended: a process in the background heeds no Ctrl-C.
+tick() {
+    local begun=$SECONDS
+    while kill -0 $$ 2> /dev/null; do
+        printf '\r%s: %d s' "$1" $((SECONDS - begun)) >&2
+        sleep 1
+    done
+}
+
+stop_ticker() {
+    [[ -n $ticker ]] || return 0
+    kill "$ticker" 2> /dev/null || true
+    wait "$ticker" 2> /dev/null || true
+    ticker=''
+    printf '\n' >&2
+}
+
+# Runs a command of set-up; what it says goes into the log, from which a failure is explained.
 step() {
     { printf '\n$ %s\n' "$*" && "$@"; } >> "$log" 2>&1
 }
 
 # Ends set-up: what failed, the likeliest cause, the cure.
 fail() {
+    stop_ticker
     bare "$python" failure "$1" "$log" >&2 || say "environment-check: $1 See $log"
     exit 1
 }
@@ -227,9 +269,10 @@ install_packages() {
     local ros
     ros=$(bare "$venv/bin/python" ros)
     [[ -z $ros ]] || say "Using the ROS 2 in $ros."
+    begin_step "Installing the packages"
     bare "$venv/bin/python" pins 2>> "$log" > build/requirements.txt || fail "The folder build cannot be written."
     install --require-hashes -r build/requirements.txt || fail "The packages could not be installed."
-    say "Installing the course itself; its ROS 2 interfaces are compiled the first time."
+    begin_step "Installing the course, compiling its interfaces"
     install --no-deps -e . || fail "The course itself could not be installed."
 }
 
@@ -246,7 +289,10 @@ install() {
 start_lab() {
     local options=()
     given 'ip|ServerApp\.ip' "$@" || options+=(--ip=127.0.0.1)
-    given 'notebook-dir|ServerApp\.(root|notebook)_dir' "$@" || options+=("--ServerApp.root_dir=$root/notebooks")
+    if ! given 'notebook-dir|ServerApp\.(root|notebook)_dir' "$@"; then
+        options+=("--ServerApp.root_dir=$root/notebooks")
+        given '.*\.default_url' "$@" || options+=(--LabApp.default_url=/lab/tree/0_start.ipynb)
+    fi
     given 'debug|log-level|.*\.log_level' "$@" || options+=(--ServerApp.log_level=WARN --LabApp.log_level=WARN)
     ((EUID)) || options+=(--allow-root)
     bare "$venv/bin/python" notebook || options+=(--no-browser)
@@ -307,7 +353,7 @@ main() {
             start_lab "${@:2}"
             ;;
         test)
-            [[ -d tests ]] || die "the tests hold solutions, so the students' edition is without. \`lab\` opens the course."
+            [[ -d tests ]] || die "the tests hold answers to every exercise, so the students' edition is without. \`lab\` opens the course."
             prepare
             run_tests "${@:2}"
             ;;

@@ -1,7 +1,8 @@
-"""Whether this process is a Jupyter kernel, found out without importing Jupyter where none runs."""
+"""Whether this process is a Jupyter kernel, and what its cells did; without importing Jupyter where none runs."""
 
 from __future__ import annotations
 
+import re
 import sys
 from typing import Any
 
@@ -22,3 +23,20 @@ def cell() -> tuple[str, str]:
     running: Any = shell()
     request = running.get_parent() if in_kernel() else {}
     return str(request.get("metadata", {}).get("cellId", "")), str(request.get("header", {}).get("msg_id", ""))
+
+
+_failures: dict[str, BaseException] = {}  # by the class that a cell was to define
+
+
+def note_end(result: Any) -> None:
+    """Note how a cell ended, by the classes that stand in it."""
+    error = result.error_before_exec or result.error_in_exec
+    for name in re.findall(r"^class (\w+)", result.info.raw_cell or "", re.MULTILINE):
+        _failures.pop(name, None)
+        if error is not None:
+            _failures[name] = error
+
+
+def failure_of(class_name: str) -> BaseException | None:
+    """The error with which the cell ended last that has the class of this name; None if it did not."""
+    return _failures.get(class_name)

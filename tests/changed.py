@@ -19,6 +19,7 @@ from course_kit.ros2.command import COMMANDS
 from tests.exercises.chapter import group_of
 
 ROOT = Path(__file__).parents[1]
+SOLUTIONS = "course_kit/solutions"
 PACKAGES = ("course_kit", "tests")
 NAMED = re.compile(r"\b(?:course_kit|tests)(?:\.\w+)+")
 TAKEN = re.compile(r"from (course_kit[\w.]*) import ([\w, ]+)")
@@ -55,6 +56,7 @@ class Dependencies:
         for chapter, notebook in zip(exercises.CHAPTERS, notebooks, strict=True):
             self._add(notebook.removeprefix("notebooks."), "tests.test_notebooks")
             self._add(notebook.removeprefix("notebooks."), notebook)
+            self._add("tests.chapters", notebook)  # its form, its terms
             modules = ["tests.exercises.test_answers", f"tests.exercises.answers_{chapter}", notebook]
             paths = (ROOT / "course_kit/exercises").glob(f"{chapter}*.py")
             modules += [f"course_kit.exercises.{path.stem}" for path in paths]
@@ -95,10 +97,12 @@ class Dependencies:
     def touched(self, file: str) -> set[str]:
         """The modules that a changed file is, or that name it."""
         path = Path(file)
-        if path.suffix == ".ipynb":
-            return {f"notebooks.{path.stem}"} & self.graph.modules
+        if path.suffix == ".ipynb" and f"notebooks.{path.stem}" in self.graph.modules:
+            return {f"notebooks.{path.stem}"}
         if path.suffix == ".py":
             return {module_of(path)} & self.graph.modules
+        if path.is_relative_to(SOLUTIONS):
+            return {group_of(path.stem), "tests.exercises.test_solutions"} & self.graph.modules
         return {name for name, text in self.texts.items() if path.name in text}
 
     def distances(self, files: Iterable[str]) -> dict[str, int]:

@@ -50,18 +50,33 @@ SECONDS = {
     "exercises of services-2": 103,
     "exercises of debugging-6": 101,
     "exercises of actions-2": 97,
+    "test_cheat_sheet": 110,
     "test_checker": 90,
+    "test_turtle_in_browser": 110,
+    "test_browser_start": 80,
     "exercises of services": 80,
     "test_definitions": 79,
     "test_environment_apt": 65,
+    "test_leftovers": 90,
+    "test_first_errors": 80,
     "test_turtlesim_node": 57,
+    "test_ros2_bad_input": 58,
     "test_ros2_echo_pub": 55,
     "test_ros2_bag": 46,
+    "test_progress_bar": 70,
+    "test_form_in_browser": 60,
+    "test_consoles_in_browser": 45,
+    "test_progress_in_browser": 45,
+    "test_views_leave_nothing": 25,
     "test_browser": 43,
     "01_setup_checks": 39,
+    "test_ros2_interrupt": 36,
     "test_ros2_launch_end": 36,
     "test_recording": 34,
     "test_ros2_calls": 34,
+    "test_bad_input": 25,
+    "test_full_disk": 23,
+    "test_ros2_generated_input": 34,
     "test_graph_plots": 33,
     "test_ros2_transcripts": 31,
     "test_ros2_graph": 31,
@@ -88,6 +103,8 @@ use_own_domain()
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # a process with rclpy imports numpy, whose threads cost 0.1 s to start
 # A shell that starts the tests in the background has them, and all that they start, ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:  # so does `nohup` with SIGHUP: it is heeded there, and not here
+    signal.signal(signal.SIGHUP, lambda *_: None)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

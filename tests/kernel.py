@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import Empty
 from typing import Any
@@ -86,3 +86,20 @@ class Kernel:
             if m["msg_type"] == "update_display_data" and m["content"]["transient"]["display_id"] == identity
         ]
         return [first, *updates][-1]["data"]["text/plain"]
+
+    def value(self, code: str) -> str:
+        """What an expression gives, as it is printed."""
+        cell = self.run(f"print({code})")
+        self.until(lambda: self.text(cell))
+        return self.text(cell).strip()
+
+
+@contextlib.contextmanager
+def kernel_after(code: str) -> Iterator[Kernel]:
+    """A kernel in which this code has run, until the block ends."""
+    kernel = Kernel()
+    try:
+        kernel.run(code)
+        yield kernel
+    finally:
+        kernel.close()

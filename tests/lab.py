@@ -11,12 +11,14 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from playwright.sync_api import Page, sync_playwright
+import nbformat
+from nbformat.v4 import new_code_cell, new_notebook
+from playwright.sync_api import Error, Page, sync_playwright
 
 from tests.waiting import wait_until
 
@@ -72,8 +74,15 @@ def listens(address: str) -> bool:
         return client.connect_ex((parts.hostname, parts.port)) == 0
 
 
+def until(lab: Lab, condition: Callable[[], Any], timeout: float = 20.0) -> Any:
+    """Wait for something outside the page, while the page goes on; return its value."""
+    return wait_until(condition, timeout=timeout, pause=lambda seconds: lab.page.wait_for_timeout(1000 * seconds))
+
+
 class Lab:
     """One browser page with JupyterLab in it."""
+
+    root: Path  # of a lab_on(): where its notebook is
 
     def __init__(self, page: Page) -> None:
         self.page = page
@@ -94,6 +103,21 @@ class Lab:
             "() => window.jupyterapp.shell.currentWidget?.sessionContext?.session?.kernel?.status === 'idle'",
             timeout=60_000,
         )
+
+    def open_in_loaded_page(self, notebook: str) -> None:
+        """Open a notebook in a page that loads; JupyterLab may load it once more, for a workspace of its own."""
+
+        def is_open() -> bool:
+            try:
+                self.page.wait_for_function("() => window.jupyterapp?.started.then(() => true)", timeout=120_000)
+                self.open(notebook)
+            except Error as error:
+                if "context was destroyed" not in str(error):
+                    raise
+                return False
+            return True
+
+        until(self, is_open, 120.0)
 
     def run_all(self, timeout: float = 120.0) -> None:
         """Run every cell and wait for the last one."""
@@ -170,3 +194,17 @@ def browser(address: str, profile: Path) -> Iterator[Lab]:
             yield lab
         finally:
             context.close()
+
+
+@contextlib.contextmanager
+def lab_on(folder: Path, name: str, cells: Mapping[str, str]) -> Iterator[Lab]:
+    """JupyterLab in a browser on one notebook, of these code cells by id; asks nothing of the network."""
+    root = folder / "notebooks"
+    root.mkdir()
+    notebook = new_notebook(cells=[new_code_cell(source.strip(), id=identity) for identity, source in cells.items()])
+    notebook.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    nbformat.write(notebook, root / name)
+    with server(root, folder / "jupyter") as address, browser(address, folder / "chromium") as lab:
+        lab.root = root
+        yield lab
+        assert lab.outside == []

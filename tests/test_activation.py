@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.environment import pins
-from course_kit.environment.activation import PROFILE, activate, sourced_ros, user_domain
+from course_kit.environment import pins, user_domain
+from course_kit.environment.activation import PROFILE, activate, sourced_ros
 
 WHEELS = not sourced_ros(os.environ)
 
@@ -36,7 +36,7 @@ def test_a_fresh_python_finds_ros_and_its_packages():
 
 def test_a_fresh_python_stays_on_this_machine_in_a_domain_of_its_user():
     assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
-    assert variable("ROS_DOMAIN_ID") == str(user_domain(os.getuid()))
+    assert variable("ROS_DOMAIN_ID") == user_domain.take(os.getuid())
     assert variable("FASTRTPS_DEFAULT_PROFILES_FILE") == PROFILE
     assert variable("PATH").startswith(str(Path(sys.prefix, "bin")) + os.pathsep)
 
@@ -79,14 +79,21 @@ def test_a_users_profile_in_the_newer_variable_wins_too():
     assert kept == "None"
 
 
+@pytest.mark.parametrize(("value", "profile"), [("SUBNET", PROFILE), ("OFF", PROFILE), ("", PROFILE), ("home", "None")])
+def test_a_range_that_there_is_not_is_left_to_ros(value, profile):
+    assert variable("FASTRTPS_DEFAULT_PROFILES_FILE", ROS_AUTOMATIC_DISCOVERY_RANGE=value) == profile
+    assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE", ROS_AUTOMATIC_DISCOVERY_RANGE=value) == (value or "LOCALHOST")
+
+
 @pytest.mark.parametrize(("value", "expected"), [("1", "LOCALHOST"), ("0", "SUBNET"), ("", "LOCALHOST")])
 def test_ros_localhost_only_is_not_contradicted(value, expected):
     assert variable("ROS_AUTOMATIC_DISCOVERY_RANGE", ROS_LOCALHOST_ONLY=value) == expected
 
 
-def test_users_get_domains_of_their_own_that_are_never_zero():
-    domains = [user_domain(uid) for uid in range(1000, 1100)]
-    assert len(set(domains)) == 100 and min(domains) == 1 and max(domains) == 100
+def test_a_childs_domain_is_that_of_its_parent_unless_the_user_set_one():
+    assert variable("ROS_DOMAIN_ID", ROS_DOMAIN_ID="7", COURSE_KIT_DOMAIN="7") == "7"
+    assert variable("ROS_DOMAIN_ID", ROS_DOMAIN_ID="8", COURSE_KIT_DOMAIN="7") == "8"
+    assert variable("COURSE_KIT_DOMAIN", ROS_DOMAIN_ID="8") == "None"
 
 
 @pytest.mark.skipif(not WHEELS, reason="a sourced ROS 2 is used, nothing has to be kept apart from it")

@@ -34,8 +34,8 @@ def stop_ros() -> Iterator[None]:
 clean = pytest.fixture(autouse=True, scope="module")(stop_ros)
 
 
-def made_bag(folder: Path, storage: str = "mcap", count: int = 500, topic_count: int = 2) -> Path:
-    """A bag of numbered strings, one every 10 ms, on topics that take turns."""
+def made_bag(folder: Path, storage: str = "mcap", count: int = 500, topic_count: int = 2, size: int = 0) -> Path:
+    """A bag of numbered strings of `size` characters at least, one every 10 ms, on topics that take turns."""
     from rclpy.serialization import serialize_message
     from std_msgs.msg import String
 
@@ -44,7 +44,7 @@ def made_bag(folder: Path, storage: str = "mcap", count: int = 500, topic_count:
     for name in names:
         writer.add_topic(name, "std_msgs/msg/String")
     for number in range(count):
-        data = serialize_message(String(data=str(number)))
+        data = serialize_message(String(data=text(number, size)))
         writer.write(names[number % topic_count], SECOND + number * 10_000_000, data)
         if number % 100 == 99:
             writer.flush()
@@ -52,8 +52,12 @@ def made_bag(folder: Path, storage: str = "mcap", count: int = 500, topic_count:
     return folder
 
 
+def text(number: int, size: int) -> str:
+    return str(number).zfill(size)
+
+
 def numbers(folder: Path, *names: str) -> list[int]:
-    return [int(message.data) for _, _, message in bags.read(folder, *names)]
+    return [int(message.data[-9:]) for _, _, message in bags.read(folder, *names)]
 
 
 @pytest.mark.parametrize("storage", STORAGES)
@@ -239,6 +243,77 @@ def test_a_file_cut_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
     assert counts[-1] == 500
 
 
+@pytest.mark.parametrize("storage", STORAGES)
+@pytest.mark.parametrize("size", [5, 3000, 10_000])
+def test_a_closed_bag_that_was_cut_gives_what_is_left(
+    tmp_path: Path, storage: str, size: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    count = 2000 if size == 5 else 300
+    whole = made_bag(tmp_path / "bag", storage, count, size=size)
+    (file,) = bag_files.storage_files(whole)
+    data = file.read_bytes()
+    for part in (0.3, 0.6, 0.61, 0.95):
+        file.write_bytes(data[: int(len(data) * part)])
+        shutil.copytree(whole, tmp_path / "cut")
+        found = numbers(tmp_path / "cut")
+        assert found == list(range(len(found)))
+        lost = 1 if storage == "mcap" else 4096 // size + 1  # messages of a page are lost with its end
+        left = file.read_bytes()
+        held = max((n for n in range(count) if text(n, min(size, 9)).encode() + b"\0" in left), default=0)
+        assert len(found) >= held - lost, (part, len(found), held)
+        (said,) = capsys.readouterr().err.splitlines()
+        assert said == (
+            f"bags: '{tmp_path}/cut' is cut: {len(found)} of its {count} messages can be read. "
+            f"'ros2 bag reindex {tmp_path}/cut' makes them a whole bag."
+        )
+        told = bags.info(tmp_path / "cut")
+        assert (told.message_count, f"bags: {told.notice}", told.is_complete) == (len(found), said, False)
+        ((name, made),) = bags.reindex(tmp_path / "cut").items()
+        assert (name, made.message_count) == (file.name, len(found))
+        assert (tmp_path / "cut" / made.kept).read_bytes() == file.read_bytes()
+        told = bags.info(tmp_path / "cut")
+        assert (told.message_count, told.notice, told.is_complete) == (len(found), "", True)
+        assert numbers(tmp_path / "cut") == found and not capsys.readouterr().err
+        assert {topic.type_hash for topic in told.topics} == {bag_types.type_hash("std_msgs/msg/String")}
+        shutil.rmtree(tmp_path / "cut")
+
+
+def test_an_sqlite3_file_cut_anywhere_is_read_up_to_there(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    whole = made_bag(tmp_path / "whole", "sqlite3", count=500)
+    data = (whole / "whole_0.db3").read_bytes()
+    counts: list[int] = []
+    for length in range(0, len(data), max(1, len(data) // 60)):
+        file = tmp_path / "cut.db3"
+        file.write_bytes(data[:length])
+        try:
+            found = numbers(file)
+        except bags.BagError as error:
+            assert "cannot be read" in str(error) and not counts
+            continue
+        assert found == list(range(len(found)))
+        counts.append(len(found))
+        assert f"'{file}' is cut: {len(found)} messages can be read." in capsys.readouterr().err
+        assert file.read_bytes() == data[:length], "a bag that is read stays as it is"
+    assert counts == sorted(counts)
+    assert len(counts) > 40 and counts[-1] > 400
+
+
+def test_metadata_that_cannot_be_written_leaves_the_earlier_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bag = made_bag(tmp_path / "bag")
+    before = (bag / "metadata.yaml").read_bytes()
+
+    def fail(*paths: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", fail)
+    with pytest.raises(bags.BagError, match=r"metadata\.yaml' cannot be written: No space left on device\. Make room"):
+        bags.reindex(bag)
+    assert (bag / "metadata.yaml").read_bytes() == before
+    assert sorted(file.name for file in bag.iterdir()) == ["bag_0.mcap", "metadata.yaml"]
+
+
 def test_reindexing_keeps_what_the_bag_told_of_its_topics(tmp_path: Path) -> None:
     bag = made_bag(tmp_path / "bag")
     before = yaml.safe_load((bag / "metadata.yaml").read_text())
@@ -273,7 +348,7 @@ def test_playing_publishes_what_was_recorded(tmp_path: Path) -> None:
         bags.play(bag, rate=1.0, tick=lambda: played.append(None))  # the recorder finds the topic while it plays
         wait_until(lambda: recording.topics == ["/topic_0"])
         assert played
-    with pytest.raises(ValueError, match="rate above 0"):
+    with pytest.raises(ValueError, match="rate must be how many times as fast, more than 0"):
         bags.play(bag, rate=0)
 
 
@@ -327,14 +402,16 @@ def test_what_reading_ahead_raises_comes_out_where_it_is_read() -> None:
 
 
 @pytest.mark.parametrize("storage", STORAGES)
-@pytest.mark.parametrize("was_closed", [True, False])
-def test_of_a_damaged_bag_one_line_says_that_it_cannot_be_read(tmp_path: Path, storage: str, was_closed: bool) -> None:
+@pytest.mark.parametrize(("was_closed", "part"), [(True, 1.0), (False, 1.0), (True, 0.6)])
+def test_of_a_damaged_bag_one_line_says_that_it_cannot_be_read(
+    tmp_path: Path, storage: str, was_closed: bool, part: float
+) -> None:
     whole = made_bag(tmp_path / "whole", storage, count=60)
     (file,) = bag_files.storage_files(whole)
     data = file.read_bytes()
     if storage == "mcap" and not was_closed:
         data = data[: data.index(b"serialized_metadata")]
-    refused = 0
+    refused, data = 0, data[: int(len(data) * part)]
     for seed in range(60):
         changed, random = bytearray(data), Random(seed)
         for _ in range(20):

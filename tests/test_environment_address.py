@@ -13,7 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.environment.address import address
+from course_kit.environment import address as module
+from course_kit.environment.notebook import START
+
+
+def address(process: int, folder: Path, timeout: float = 60.0) -> str | None:
+    """Where the server of a process is, if it is announced in a folder and answers."""
+    found = module.server(process, folder, timeout)
+    return module.address(found) if found else None
 
 
 @pytest.fixture
@@ -27,7 +34,7 @@ def bound() -> Iterator[socket.socket]:
 def announce(server: socket.socket, folder: Path) -> str:
     """Write what a JupyterLab of this process writes; returns the address that is wanted."""
     port = server.getsockname()[1]
-    announcement = {"url": f"http://127.0.0.1:{port}/", "port": port, "token": "0123abcd"}
+    announcement = {"url": f"http://127.0.0.1:{port}/", "port": port, "token": "0123abcd", "root_dir": str(folder)}
     (folder / f"jpserver-{os.getpid()}.json").write_text(json.dumps(announcement))
     return f"http://127.0.0.1:{port}/lab?token=0123abcd"
 
@@ -36,6 +43,13 @@ def test_the_address_of_a_running_server_has_its_token(tmp_path, bound):
     bound.listen()
     assert address(os.getpid(), tmp_path, timeout=0.05) is None
     wanted = announce(bound, tmp_path)
+    assert address(os.getpid(), tmp_path) == wanted
+
+
+def test_the_address_is_that_of_the_start_page_where_there_is_one(tmp_path, bound):
+    bound.listen()
+    wanted = announce(bound, tmp_path).replace("/lab?", f"/lab/tree/{START}?")
+    (tmp_path / START).touch()
     assert address(os.getpid(), tmp_path) == wanted
 
 

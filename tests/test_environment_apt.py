@@ -111,6 +111,11 @@ def test_set_up_says_which_ros_it_uses_and_installs_no_wheel_of_ros(course, set_
     assert any(name.startswith("jupyterlab-") for name in installed)
 
 
+def test_the_kernel_has_the_courses_name(course, set_up):
+    kernel = json.loads((course.root / ".venv/share/jupyter/kernels/python3/kernel.json").read_text())
+    assert kernel["display_name"] == "ROS 2 Jazzy (course)"
+
+
 def test_rclpy_and_the_interfaces_are_imported_from_apt(course, set_up, sourced, apt):
     program = "import rclpy, turtlesim.msg, example_interfaces.srv as e; print(rclpy.__file__, e.__file__)"
     command = [course.root / ".venv/bin/python", "-c", program]

@@ -13,10 +13,13 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from subprocess import CompletedProcess
 
+import psutil  # type: ignore[import-untyped]
 import pytest
 
 from course_kit.environment import failure
 from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy, fresh_environ
+from tests.terminal import CTRL_C, Terminal
+from tests.waiting import wait_until
 
 UV = next(iter(ROOT.glob("build/uv-*/bin/uv")), None) or shutil.which("uv")
 STORE = "/etc/ssl/certs/ca-certificates.crt"
@@ -60,6 +63,25 @@ def lab(course, quick_python) -> Callable[..., CompletedProcess[str]]:
     return run
 
 
+def test_in_a_terminal_a_step_counts_its_seconds_and_an_interrupt_leaves_nothing(course, quick_python, tmp_path):
+    slow, begun = tmp_path / "slow", tmp_path / "begun"
+    slow.write_text(f'#!/bin/sh\n[ "$1 $2" = "-m venv" ] && touch "{begun}" && sleep 60\nexec "{quick_python}" "$@"\n')
+    slow.chmod(0o755)
+    variables = [f"{name}={value}" for name, value in fresh_environ(PYTHON=str(slow), TERM="xterm").items()]
+    with Terminal(["env", "-i", *variables, str(course.root / "environment-check.sh"), "lab"]) as terminal:
+        terminal.wait_for("[1/4] Making the environment: 2 s")
+        lines = [line.rpartition("\r")[2] for line in terminal.text.split("\n")]
+        assert len(lines) == 2 and lines[0].startswith("Setting up the course") and begun.exists()
+        terminal.press(CTRL_C)
+        assert terminal.end() != 0
+        wait_until(lambda: not running(course.root / "environment-check.sh"), "the end of all that it has started")
+
+
+def running(script: Path) -> list[int]:
+    """The processes whose command names a script."""
+    return [one.pid for one in psutil.process_iter(["cmdline"]) if str(script) in (one.info["cmdline"] or [])]
+
+
 def give_uv(course: CourseCopy) -> None:
     """As after an earlier set-up: the installer has been fetched."""
     version = course.root / "build/uv-0.13.8/bin"
@@ -72,6 +94,9 @@ def failed(result: CompletedProcess[str]) -> dict[str, str]:
     assert result.returncode == 1, result.stderr
     begun, *lines = result.stderr.splitlines()
     assert begun.startswith("Setting up the course")
+    steps = [line for line in lines if line.startswith("[")]
+    assert [line.partition("]")[0] for line in steps] == [f"[{step}/4" for step in range(1, len(steps) + 1)]
+    lines = lines[len(steps) :]
     assert len(lines) <= 5, result.stderr
     assert lines[0].startswith("environment-check: ")
     parts = dict(line.split(": ", 1) for line in lines)

@@ -7,7 +7,7 @@ import pytest
 from course_kit.environment import notebook
 from course_kit.environment.interpreter import Interpreter
 
-VERSIONS = {"jupyterlab": "4.6.6", "ipykernel": "7.3.0", "ipywidgets": "8.1.9", "ipycanvas": "0.14.3"}
+VERSIONS = {"jupyterlab": "4.6.6", "ipykernel": "7.3.0", "ipywidgets": "8.1.9", "anywidget": "0.11.0"}
 KERNEL = "share/jupyter/kernels/python3/kernel.json"
 EXTENSIONS = [f"share/jupyter/labextensions/{folder}/package.json" for folder in notebook.WIDGETS.values()]
 
@@ -28,7 +28,7 @@ def environment(tmp_path):
 def test_jupyterlab_with_its_kernel_and_widgets_passes(environment):
     python = environment()
     assert notebook.jupyterlab(python).detail == "4.6.6, ipykernel 7.3.0"
-    assert notebook.widgets(python).detail == "ipywidgets 8.1.9, ipycanvas 0.14.3"
+    assert notebook.widgets(python).detail == "ipywidgets 8.1.9, anywidget 0.11.0"
 
 
 def test_a_missing_kernel_fails(environment):
@@ -40,7 +40,7 @@ def test_a_missing_kernel_fails(environment):
 def test_a_missing_package_fails(environment):
     python = environment(distributions={"ipykernel": "7.3.0", "ipywidgets": "8.1.9"})
     assert "jupyterlab missing" in notebook.jupyterlab(python).detail
-    assert "ipycanvas missing" in notebook.widgets(python).detail
+    assert "anywidget missing" in notebook.widgets(python).detail
 
 
 @pytest.mark.parametrize("present", EXTENSIONS)

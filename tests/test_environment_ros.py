@@ -50,6 +50,8 @@ def test_without_a_domain_the_course_takes_one_for_the_user():
         ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}, "FAIL"),
         ({"ROS_LOCALHOST_ONLY": "1"}, "PASS"),
         ({"ROS_LOCALHOST_ONLY": "0"}, "WARN"),
+        ({"ROS_STATIC_PEERS": "10.0.0.7"}, "WARN"),
+        ({"ROS_STATIC_PEERS": "10.0.0.7", "ROS_LOCALHOST_ONLY": "1"}, "WARN"),
     ],
 )
 def test_nodes_should_stay_on_this_machine_and_find_each_other(variables, status):

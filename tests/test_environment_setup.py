@@ -112,7 +112,7 @@ def test_lab_serves_the_notebooks_on_localhost_and_only_with_its_token(done, tmp
         lines = iter(server.stdout.readline, "")
         address = next(line.split()[-1] for line in lines if "Its address: " in line)
         parts = urlsplit(address)
-        assert (parts.hostname, parts.path) == ("127.0.0.1", "/lab")
+        assert (parts.hostname, parts.path) == ("127.0.0.1", "/lab/tree/0_start.ipynb")
         assert re.fullmatch(r"token=\w{40,}", parts.query)
         assert b"JupyterLab" in get(address)
         contents = f"http://127.0.0.1:{parts.port}/api/contents"
@@ -120,6 +120,8 @@ def test_lab_serves_the_notebooks_on_localhost_and_only_with_its_token(done, tmp
             get(contents)
         names = {entry["name"] for entry in json.loads(get(f"{contents}?{parts.query}"))["content"]}
         assert names == {path.name for path in (done.course.root / "notebooks").iterdir()}
+        with urllib.request.urlopen(f"http://127.0.0.1:{parts.port}/?{parts.query}", timeout=10) as response:
+            assert urlsplit(response.url).path == parts.path  # where a browser is sent that `lab` opens itself
         with pytest.raises(OSError, match="refused"):  # another address of this machine
             get(f"http://127.0.0.2:{parts.port}/")
     finally:

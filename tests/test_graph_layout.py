@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import pytest
 from rclpy.duration import Duration
@@ -16,17 +16,16 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 
-from course_kit.figures import PAPER
+from course_kit.figures import PAPER, contrast
 from course_kit.ros_graph.graph import qos_data
 from course_kit.ros_graph.graph_cards import Card, cards
 from course_kit.ros_graph.graph_data import Channel, Endpoint, GraphNode, Parameter, Qos, Snapshot
 from course_kit.ros_graph.graph_layers import Box, Line
 from course_kit.ros_graph.graph_layout import Layout, lay_out
-from course_kit.ros_graph.graph_plots import INKS, LOOKS, draw_graph, text_width
+from course_kit.ros_graph.graph_plots import INKS, LOOKS, TROUBLE, WIRE, WIRES, draw_graph, text_width
 from course_kit.ros_graph.matching import explanations, mismatch, parts, qos_reasons
 from tests import graphs
 from tests.graphs import BEST_EFFORT, LATCHED, TEXT, channel, snapshot
-from tests.test_plots import luminance
 
 ALL = {
     "turtle": graphs.turtle(),
@@ -236,13 +235,14 @@ def test_names_in_a_namespace_are_short_and_long_ones_are_cut() -> None:
     assert f"/{'a' * 15}…{'b' * 17}" in words(snapshot([channel(long, TEXT, ["/n"], [])]))
 
 
-def luminances(colours: Iterable[str]) -> list[float]:
-    return [luminance(colour) for colour in colours]
-
-
 def test_every_text_has_contrast_on_every_ground() -> None:
-    for ground in luminances([PAPER, *(face for face, _ in LOOKS.values())]):
-        assert all((ground + 0.05) / (ink + 0.05) > 4.5 for ink in luminances(INKS.values()))
+    for ground in (PAPER, *(face for face, _ in LOOKS.values())):
+        assert all(contrast(ink, ground) > 4.5 for ink in INKS.values())
+
+
+def test_every_edge_and_line_has_contrast_on_the_ground() -> None:
+    edges = [edge for _, edge in LOOKS.values()]
+    assert all(contrast(colour, PAPER) > 3.0 for colour in (*edges, WIRE, *WIRES, TROUBLE))
 
 
 def test_an_empty_graph_says_so() -> None:

@@ -41,13 +41,15 @@ def test_each_file_is_told_with_its_origin_and_who_looks_for_it(workspace):
         Installed("demo_py/__init__.py", "lib/python3.11/site-packages/demo_py/__init__.py", "import"),
         Installed("demo_py/talker.py", "lib/python3.11/site-packages/demo_py/talker.py", "import"),
         Installed("launch/demo.launch.py", "share/demo_py/launch/demo.launch.py", "ros2 launch"),
-        Installed("package.xml", "share/demo_py/package.xml", "ros2 pkg, nodes"),
-        Installed("resource/demo_py", "share/ament_index/resource_index/packages/demo_py", "ros2, to know the package"),
+        Installed("package.xml", "share/demo_py/package.xml", "ros2 pkg xml"),
+        Installed("resource/demo_py", "share/ament_index/resource_index/packages/demo_py", "ros2, nodes: to find it"),
     ]
 
 
 def test_the_picture_names_every_file_once(workspace):
-    texts = [text.get_text() for text in plot_install(workspace, "demo_py").axes[0].texts]
+    plot = plot_install(workspace, "demo_py")
+    assert "; share/demo_py/package.xml from package.xml, found by ros2 pkg xml; " in repr(plot)
+    texts = [text.get_text() for text in plot.axes[0].texts]
     for row in installed(workspace, "demo_py"):
         assert texts.count(row.source) == texts.count(row.target) == texts.count(row.reader) == 1, row
 

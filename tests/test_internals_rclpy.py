@@ -22,8 +22,8 @@ from tests.waiting import wait_until
 
 WITH_A_TALKER = """
 import sys
-import rclpy, rclpy.experimental
-from rclpy.action import ActionClient
+import rclpy, rclpy.action.server, rclpy.experimental
+from rclpy.action import ActionClient, ActionServer
 from rclpy.client import Client
 from rclpy.executors import Executor
 from rclpy.node import Node
@@ -145,6 +145,15 @@ def test_a_function_with_other_arguments_stays_as_it_is_and_one_line_says_what_t
 def test_a_function_that_is_not_there_is_named(owner, name):
     line, talks = said(f"del {owner}.{name}; talk()")
     assert line.startswith(f"course_kit: rclpy has no {owner}.{name} here: ")
+    assert talks == "talks"
+
+
+def test_where_action_servers_execute_otherwise_what_that_means_is_said():
+    line, talks = said("with_another_parameter(rclpy.action.server, 'await_or_execute'); talk()")
+    assert line == (
+        "course_kit: rclpy's await_or_execute() takes other arguments here: "
+        "what an execute callback raises is seen in logs() alone"
+    )
     assert talks == "talks"
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.kernel import Kernel
+from tests.kernel import Kernel, kernel_after
 
 SET_UP = """
 from rclpy.node import Node
@@ -46,10 +46,8 @@ robot = run(Robot)
 
 @pytest.fixture(scope="module")
 def kernel() -> Iterator[Kernel]:
-    one = Kernel()
-    one.run(SET_UP)
-    yield one
-    one.close()
+    with kernel_after(SET_UP) as one:
+        yield one
 
 
 def of_view(kernel: Kernel, cell: str) -> str:
@@ -58,13 +56,6 @@ def of_view(kernel: Kernel, cell: str) -> str:
         return kernel.shown(cell)
     except StopIteration:
         return ""
-
-
-def value(kernel: Kernel, code: str) -> str:
-    """What an expression gives in the kernel."""
-    cell = kernel.run(f"print({code})")
-    kernel.until(lambda: kernel.text(cell))
-    return kernel.text(cell).strip()
 
 
 def updates(kernel: Kernel, cell: str) -> list[Any]:
@@ -90,7 +81,7 @@ def test_rates_of_all_topics_are_shown_and_new_topics_join(kernel: Kernel) -> No
     kernel.until(lambda: row("/late"), 20)
     assert len([m for m in kernel.of(cell) if m["msg_type"] in ("display_data", "execute_result")]) == 1
     kernel.run("view.stop(); stop('late')")
-    assert value(kernel, "view") == "<rates, stopped>"
+    assert kernel.value("view") == "<rates, stopped>"
 
 
 def test_named_topics_only(kernel: Kernel) -> None:
@@ -111,53 +102,56 @@ def test_values_are_drawn_as_they_come_until_the_end(kernel: Kernel) -> None:
     cell = kernel.run("view = watch_values('/turtle1/pose.x', '/goal.pose.position.x', period=0.2)")
     kernel.until(lambda: len({data["image/png"] for data in updates(kernel, cell)}) >= 3, 20)
     kernel.run("view.stop()")
-    assert value(kernel, "view.is_running") == "False"
+    assert kernel.value("view.is_running") == "False"
     count = len(updates(kernel, cell))
-    assert value(kernel, "1") == "1" and len(updates(kernel, cell)) == count
+    assert kernel.value("1") == "1" and len(updates(kernel, cell)) == count
 
 
 def test_a_view_ends_by_itself_after_its_seconds(kernel: Kernel) -> None:
     kernel.run("view = watch_values('/turtle1/pose.x', period=0.2, seconds=1)")
-    kernel.until(lambda: value(kernel, "view.is_running") == "False", 20)
+    kernel.until(lambda: kernel.value("view.is_running") == "False", 20)
 
 
 def test_the_log_console_filters_by_node_level_and_text(kernel: Kernel) -> None:
     kernel.run("panel = watch_logs()")
-    kernel.until(lambda: "step" in value(kernel, "panel._lines.value"), 20)
+    kernel.until(lambda: "step" in kernel.value("panel._lines.value"), 20)
     kernel.run("panel.level.value = 'WARN'")
-    assert value(kernel, "{line.level_name for line in panel.shown()}") == "{'WARN'}"
-    kernel.until(lambda: "ten &lt;more&gt;" in value(kernel, "panel._lines.value"), 20)
-    kernel.until(lambda: "step" not in value(kernel, "panel._lines.value"), 20)
+    assert kernel.value("{line.level_name for line in panel.shown()}") == "{'WARN'}"
+    kernel.until(lambda: "ten &lt;more&gt;" in kernel.value("panel._lines.value"), 20)
+    kernel.until(lambda: "step" not in kernel.value("panel._lines.value"), 20)
     kernel.run("panel.level.value = 'DEBUG'; panel.text.value = 'STEP'; panel.node.value = '/robot'")
-    assert value(kernel, "{line.level_name for line in panel.shown()}") == "{'INFO'}"
-    assert value(kernel, "'/robot' in panel.node.options") == "True"
+    assert kernel.value("{line.level_name for line in panel.shown()}") == "{'INFO'}"
+    assert kernel.value("'/robot' in panel.node.options") == "True"
 
 
 def test_the_log_console_sets_levels(kernel: Kernel) -> None:
     kernel.run("panel = watch_logs('/robot', 'DEBUG')\npanel.set_level.value = 'ERROR'")
-    assert value(kernel, "robot.get_logger().get_effective_level().name") == "ERROR"
-    assert "/robot logs ERROR" in value(kernel, "panel._answer.value")
+    assert kernel.value("robot.get_logger().get_effective_level().name") == "ERROR"
+    assert "/robot logs ERROR" in kernel.value("panel._answer.value")
     kernel.run("panel.set_level.value = 'INFO'; panel.node.value = 'all nodes'; panel.set_level.value = 'DEBUG'")
-    assert "choose a node first" in value(kernel, "panel._answer.value")
-    kernel.run("panel.close()")
-
-
-def test_a_turtle_that_cannot_be_drawn_is_said_to_stand_still(kernel: Kernel) -> None:
-    kernel.run("from course_kit.live.turtle import drive\npanel = drive()")
-    kernel.until(lambda: "heading 0.00 rad" in value(kernel, "panel._line.value"), 20)
-    nowhere = "[robot.poses.publish(Pose(theta=float('nan'))) for _ in range(100)] and panel._line.value"
-    kernel.until(lambda: "stands still: ValueError: " in value(kernel, nowhere), 20)
-    assert "Run its cell again to go on." in value(kernel, "panel._line.value")
-    kernel.run("panel = drive()")
-    kernel.until(lambda: "heading 0.00 rad" in value(kernel, "panel._line.value"), 20)
+    assert "choose a node first" in kernel.value("panel._answer.value")
     kernel.run("panel.close()")
 
 
 def test_a_log_console_that_cannot_be_drawn_is_said_to_stand_still(kernel: Kernel) -> None:
-    kernel.run("panel = watch_logs()\npanel.shown = lambda: 1 / 0")
-    kernel.until(lambda: "stands still: ZeroDivisionError: " in value(kernel, "panel._answer.value"), 20)
-    assert "Run its cell again to go on." in value(kernel, "panel._answer.value")
-    kernel.run("panel.close()")
+    cell = kernel.run("panel = watch_logs()\npanel.shown = lambda: 1 / 0")
+    kernel.until(lambda: "stands still: ZeroDivisionError: " in of_view(kernel, cell), 20)
+    assert "Run its cell again to go on." in of_view(kernel, cell)
+    assert kernel.value("panel.is_running") == "False"
+
+
+def test_the_log_console_keeps_a_still_of_what_it_shows_and_its_widgets_end_with_it(kernel: Kernel) -> None:
+    before = kernel.value("len(get_ipython().kernel.comm_manager.comms)")
+    cell = kernel.run("panel = watch_logs('/robot', 'WARN')\npanel")
+    kernel.until(lambda: "[WARN] [/robot] ten <more>" in of_view(kernel, cell), 20)
+    assert of_view(kernel, cell).startswith("Log lines of /robot, WARN and above:\n")
+    first = next(m["content"]["data"] for m in kernel.of(cell) if m["msg_type"] == "display_data")
+    assert {"application/vnd.jupyter.widget-view+json", "text/html"} <= first.keys()
+    kernel.run("panel.text.value = 'MORE'\npanel.stop()")
+    kernel.until(lambda: "application/vnd.jupyter.widget-view+json" not in updates(kernel, cell)[-1], 20)
+    last = updates(kernel, cell)[-1]
+    assert "ten &lt;more&gt;" in last["text/html"] and "ten <more>" in last["text/plain"]
+    assert kernel.value("len(get_ipython().kernel.comm_manager.comms)") == before
 
 
 def test_the_console_of_a_node_says_why_it_stands_still_and_goes_on(kernel: Kernel) -> None:
@@ -173,12 +167,24 @@ def test_the_console_of_a_node_says_why_it_stands_still_and_goes_on(kernel: Kern
     kernel.run("stop(second)")
 
 
+def test_the_console_of_a_stopped_node_does_not_show_what_another_node_of_its_name_says(kernel: Kernel) -> None:
+    cell = kernel.run("second = run(Node, 'second')\nsecond.get_logger().info('its own')\nstop(second)")
+    kernel.until(lambda: "its own" in of_view(kernel, cell) and "stopped" in of_view(kernel, cell), 20)
+    kernel.run("from course_kit import logs\nfrom course_kit.live import console\nother = Node('second')")
+    kernel.run("other.get_logger().info('a namesake')\nother.get_logger().info('and again')")
+    # When the second line is there, the first has been handled.
+    kernel.until(lambda: kernel.value("len(logs('second', text='and again'))") == "1", 20)
+    shown = kernel.value("[line.text for line in console._consoles['/second'].lines]")
+    assert shown == "['its own']"
+    kernel.run("other.destroy_node()")
+
+
 def test_a_cell_that_is_run_again_replaces_its_view(kernel: Kernel) -> None:
     kernel.run("first = watch_rates('/goal', period=0.2)")
     kernel.run("second = watch_rates('/goal', period=0.2)")
-    assert value(kernel, "first.is_running, second.is_running") == "False True"
+    assert kernel.value("first.is_running, second.is_running") == "False True"
     kernel.run("third, fourth = watch_rates('/goal'), watch_rates('/turtle1/pose')")
-    assert value(kernel, "second.is_running, third.is_running, fourth.is_running") == "False True True"
+    assert kernel.value("second.is_running, third.is_running, fourth.is_running") == "False True True"
     kernel.run("third.stop(); fourth.stop()")
 
 
@@ -189,7 +195,7 @@ def test_a_bad_path_and_the_end_of_ros_are_survived(kernel: Kernel) -> None:
     assert error["ename"] == "ValueError" and "Did you mean '/turtle1/pose.x'?" in error["evalue"]
     kernel.run("view = watch_rates(period=0.1); panel = watch_logs(); used = watch_resources(period=0.1)")
     kernel.run("from course_kit.spinning import context; context.stop()", 30)
-    assert value(kernel, "view.is_running, used.is_running") == "False False"
+    assert kernel.value("view.is_running, used.is_running") == "False False"
 
 
 def test_a_node_runs_in_ipython_without_a_kernel_too() -> None:

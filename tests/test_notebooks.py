@@ -14,18 +14,23 @@ from typing import Any
 
 import nbformat
 import pytest
+from jupyter_client.kernelspec import get_kernel_spec
 
+from course_kit.environment.notebook import START
 from course_kit.grading import master
 from course_kit.grading.definitions import definitions
+from course_kit.grading.release import KEPT_EMPTY
 from tests.lab import CHROMIUM
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
+PAGES = [FOLDER / START, *NOTEBOOKS]  # the chapters, and what is run as they are
 LOOPBACK_ONLY = ["unshare", "--net", "--", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
 NBVAL = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0"]
 LINES = 15
 
+of_each_page = pytest.mark.parametrize("path", PAGES, ids=[path.stem for path in PAGES])
 of_each = pytest.mark.parametrize("path", NOTEBOOKS, ids=[path.stem for path in NOTEBOOKS])
 
 
@@ -47,7 +52,7 @@ def again(cell: nbformat.NotebookNode) -> nbformat.NotebookNode:
 
 
 def beside_each_other() -> Iterator[Any]:
-    for path in NOTEBOOKS:
+    for path in PAGES:
         yield pytest.param(path, id=path.stem, marks=pytest.mark.xdist_group(path.stem))
 
 
@@ -57,7 +62,7 @@ def test_runs_top_to_bottom_without_network(path, folder, request):
     """With nbval, as a student runs it who has run no other; with --full once more in the same kernel, by a browser."""
     notebook = nbformat.read(path, as_version=4)
     count = sum(cell.cell_type == "code" for cell in notebook.cells)
-    command, place = [*NBVAL, path.name], folder
+    command, place = [*NBVAL, "-p", "tests.foreign_words", path.name], folder
     if request.config.getoption("full") and CHROMIUM:
         command, place = [sys.executable, "-m", "tests.second_run", str(folder / path.name)], ROOT
         count += 1
@@ -69,18 +74,60 @@ def test_runs_top_to_bottom_without_network(path, folder, request):
         command = [*LOOPBACK_ONLY, *command]
     else:
         warnings.warn("run with the network: to be without it takes root and the command ip", stacklevel=1)
-    done = subprocess.run(command, cwd=place, capture_output=True, text=True, timeout=700)
+    environment = os.environ | {
+        "PYTHONPATH": str(ROOT)
+    }  # for the plugin alone: the kernel has it, but imports the same
+    done = subprocess.run(command, cwd=place, env=environment, capture_output=True, text=True, timeout=700)
     assert done.returncode == 0, done.stdout[-6000:] + done.stderr[-2000:]
     assert f"{count} passed" in done.stdout, done.stdout[-2000:]
 
 
+def is_kept_empty(cell: nbformat.NotebookNode) -> bool:
+    return KEPT_EMPTY in cell.metadata.get("tags", [])
+
+
 @of_each
+def test_each_saved_console_is_known_to_be_one(path):
+    """So that JupyterLab shows none as that of a node that runs, as course_kit/live/shown.py has it."""
+    for cell in nbformat.read(path, 4).cells:
+        for output in cell.get("outputs", []):
+            if "course-kit-console" in output.get("data", {}).get("text/html", ""):
+                assert output["data"]["application/vnd.course-kit.view+json"] == {"view": "console"}, cell.id
+                assert "class='course-kit-state'" in output["data"]["text/html"], cell.id
+
+
+@of_each_page
 def test_is_valid_and_was_run(path):
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     assert (notebook.nbformat, notebook.nbformat_minor) == (4, 5)
-    counts = [cell.execution_count for cell in notebook.cells if cell.cell_type == "code"]
-    assert counts == list(range(1, len(counts) + 1)), "run all cells in a fresh kernel, then save"
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    counts = [None if is_kept_empty(cell) else number for number, cell in enumerate(code, 1)]
+    hint = f"run all cells in a fresh kernel, clear the outputs of those tagged {KEPT_EMPTY}, then save"
+    assert [cell.execution_count for cell in code] == counts, hint
+    assert not any(cell.outputs for cell in code if is_kept_empty(cell)), hint
+
+
+def test_nothing_is_stored_about_the_machine_of_whoever_ran_chapter_1():
+    empty = [cell.id for cell in cells(NOTEBOOKS[0]) if is_kept_empty(cell)]
+    assert empty == ["setup-distro", "setup-machine", "setup-report", "setup-which-ros"]
+
+
+@of_each_page
+def test_each_stored_picture_has_its_alternative_text(path):
+    for cell in cells(path):
+        for output in cell.get("outputs", []):
+            if "image/png" in output.get("data", {}):
+                text = output.metadata.get("image/png", {}).get("alt", "")
+                assert text == output.data["text/plain"] and len(text) > 30, cell.id
+
+
+@of_each_page
+def test_the_kernel_has_the_name_that_the_launcher_shows(path):
+    """JupyterLab would write another one into the notebook, and call it changed, as soon as it is opened."""
+    spec = nbformat.read(path, as_version=4).metadata.kernelspec
+    installed = get_kernel_spec("python3")
+    assert (spec.name, spec.display_name) == ("python3", installed.display_name) == ("python3", "ROS 2 Jazzy (course)")
 
 
 @of_each
@@ -130,7 +177,7 @@ def test_every_cell_that_defines_something_is_marked_for_grading(path):
     assert set(unmarked) <= {"workspace-interfaces-imported", "services-own-server"}
 
 
-@of_each
+@of_each_page
 def test_committed_outputs_name_no_path_of_a_machine(path):
     for cell in cells(path):
         if cell.cell_type == "code" and "nbval-ignore-output" not in cell.metadata.get("tags", []):

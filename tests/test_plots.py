@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import PoseStamped
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
 from nav_msgs.msg import Odometry
@@ -21,7 +20,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit.figures import COLOURS, INK, PANEL, PAPER
+from course_kit.figures import AMBER, COLOURS, FAINT, INK, PANEL, PAPER, SKY, as_ink, contrast
 from course_kit.recordings import tracks
 from course_kit.recordings.buffers import MessageBuffer
 from course_kit.recordings.meters import measure_rates
@@ -116,6 +115,15 @@ def test_a_turtle_is_drawn_on_its_field_with_start_end_and_equal_scales(robot: N
     assert figure.get_suptitle() == "A circle"
 
 
+def test_goals_are_marked_on_the_field_beside_the_path(robot: Node) -> None:
+    recording = drive(robot, "/turtle1/pose", circle)
+    field = axes_of(plot_pose(recording, goals=[(7.0, 5.0), (5, 7)]), "y [m]")
+    lines = {line.get_label(): line for line in field.get_lines()}
+    assert np.asarray(lines["goal"].get_xydata()).tolist() == [[7.0, 5.0], [5.0, 7.0]]
+    assert lines["goal"].get_linestyle() == "None" and lines["goal"].get_marker() == "+"
+    assert axes_of(plot_pose(recording), "y [m]").get_legend().get_texts()[-1].get_text() == "end"  # type: ignore[union-attr]
+
+
 def test_each_robot_has_its_colour_and_its_name(robot: Node) -> None:
     publishers = [robot.create_publisher(Pose, f"/turtle{n}/pose", 10) for n in (1, 2)]
     with record("/turtle1/pose", "/turtle2/pose") as recording:
@@ -203,18 +211,16 @@ def test_one_message_and_a_robot_that_stands_still_can_be_drawn(robot: Node) -> 
         assert plot_pose(recording)._repr_png_()[0].startswith(b"\x89PNG")
 
 
-def luminance(colour: str) -> float:
-    """Relative luminance as WCAG 2 defines it."""
-    linear = [c / 12.92 if c <= 0.03928 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
-    return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
-
-
 def test_the_ground_is_opaque_and_what_stands_on_it_has_contrast(robot: Node) -> None:
     picture = Image.open(io.BytesIO(plot_pose(drive(robot, "/turtle1/pose", circle, 0.1))._repr_png_()[0]))
     assert picture.getchannel("A").getextrema() == (255, 255)
     for ground in (PAPER, PANEL):
-        assert (luminance(ground) + 0.05) / (luminance(INK) + 0.05) > 7
-    assert all((luminance(PANEL) + 0.05) / (luminance(colour) + 0.05) > 2.9 for colour in COLOURS[:4])
+        assert contrast(INK, ground) > 7 and contrast(FAINT, ground) > 4.5
+        assert all(contrast(colour, ground) > 3.0 for colour in COLOURS)
+        assert all(contrast(as_ink(colour), ground) > 4.5 for colour in COLOURS)
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.005)  # as others compute it
+    assert all(contrast(INK, fill) > 4.5 for fill in (AMBER, SKY))
 
 
 CELL = """

@@ -73,6 +73,17 @@ def test_stop_interrupts_as_ctrl_c_does():
     assert process.stop() == 0  # again does nothing
 
 
+def test_stop_interrupts_again_what_has_missed_the_first_interrupt():
+    misses_one = (
+        "import signal, sys, time\nheard = []\n"
+        "signal.signal(signal.SIGINT, lambda *_: sys.exit(0) if heard else heard.append(1))\n"
+        "print('ready', flush=True)\ntime.sleep(60)\ntime.sleep(60)"
+    )
+    process = start([sys.executable, "-c", misses_one])
+    wait_for(lambda: process.says("ready"), timeout=20)
+    assert process.stop(patience=10.0) == 0
+
+
 def test_stop_kills_what_does_not_listen():
     process = python(DEAF)
     wait_for(lambda: process.says("deaf"), timeout=20)

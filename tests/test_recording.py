@@ -232,7 +232,7 @@ def test_what_is_read_from_a_running_recording_fits_together() -> None:
 def test_a_full_recording_keeps_the_newest_messages_and_counts_the_others() -> None:
     count = 3000
     with (
-        Sender("/fast", "scan", rate=3000, count=count) as sender,
+        Sender("/fast", "scan", rate=1000, count=count) as sender,
         record("/fast", max_bytes=500_000) as recording,
         record("/fast", keep=10) as last,
     ):
@@ -263,9 +263,9 @@ def test_several_topics_are_told_apart(robot: Node) -> None:
         ((), {}, "give the names of topics"),
         ((String,), {}, "give topic names first"),
         (("/a", 3), {}, "is not a message type"),
-        (("/a", String), {"count": 0}, "count=0 asks for no message"),
-        (("/a", String), {"seconds": 0}, "seconds=0 leaves no time"),
-        (("/a", String), {"keep": 0}, "keep=0 keeps nothing"),
+        (("/a", String), {"count": 0}, "count must be a whole number, 1 or more, or None, not 0"),
+        (("/a", String), {"seconds": 0}, "seconds must be a span of time in seconds, more than 0, or None, not 0"),
+        (("/a", String), {"keep": 0}, "keep must be a whole number, 1 or more, or None, not 0"),
         (("/a", String), {"max_bytes": 10}, "max_bytes=10 is too little"),
         (("/nobody",), {"timeout": 0.1}, "no node publishes /nobody"),
     ],

@@ -318,6 +318,8 @@ def test_both_paths_and_their_distance_are_drawn(drive: Path) -> None:
     apart = np.hypot(one.values("x") - two.values("x"), one.values("y") - two.values("y"))
     assert drawn[:, 1] == pytest.approx(apart, abs=1e-6)
     assert left.get_title(loc="right") == "/smooth/speed.linear.x"
+    told = f"Smooth (1) and Smooth (2), tolerance 0.02. The paths of /smooth/pose: apart by {apart.max():.3g} at most, "
+    assert repr(figure).startswith(told) and " /smooth/speed.linear.x: apart by " in repr(figure)
     assert figure._repr_png_()[0].startswith(b"\x89PNG")
     with pytest.raises(TypeError, match=r"plot_comparison\(\) draws what compare\(\) returns"):
         plot_comparison(compared.first)  # type: ignore[arg-type]

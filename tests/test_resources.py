@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -172,13 +173,16 @@ def test_usage_is_drawn_beside_the_rates(busy: Process) -> None:
     labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]  # type: ignore[union-attr]
     assert f"/robot/worker ({busy.pid})" in labels and "thread of /burner" in labels
     assert len(plot_resources(recorded).axes) == 2
+    told = repr(figure)
+    assert re.search(rf" /robot/worker \({busy.pid}\): CPU .* % of a core, .* in the mean, memory .* MB\. ", told)
+    assert told.startswith("Resources. ") and re.search(r" /burnt: .* Hz\.$", told)
     assert figure._repr_png_()[0].startswith(b"\x89PNG")
 
 
 def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(ValueError, match=r"period=0\.001 is too short"):
         record_resources(period=0.001)
-    with pytest.raises(ValueError, match="seconds=0 leaves no time"):
+    with pytest.raises(ValueError, match="seconds must be a span of time"):
         record_resources(seconds=0)
     with pytest.raises(TypeError, match=r"plot_resources\(\) draws what record_resources\(\) returns, not str"):
         plot_resources("x")  # type: ignore[arg-type]

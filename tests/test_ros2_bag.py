@@ -147,16 +147,16 @@ def test_all_topics_are_recorded_also_later_ones_but_not_hidden_or_excluded_ones
     with bag_command("record", "-a", "-x", "unwanted", "-o", str(folder)) as run:
         run.until("Recording...")
         with (
-            Sender("/late", "pose", rate=500, count=20) as sender,
             Sender("/_hidden", "string"),
             Sender("/unwanted", "string"),
+            Sender("/late", "pose", rate=500, count=20) as sender,
         ):
+            run.until("Hidden topics are not recorded. Enable them with --include-hidden-topics")
             run.until("Subscribed to topic '/late'")
             sender.go()
             sender.result()
             run.interrupt()
             assert "Recording stopped" in run.end().out
-    assert "Hidden topics are not recorded. Enable them with --include-hidden-topics" in run.out
     counts = {topic.name: topic.count for topic in bags.info(folder).topics}
     assert counts["/late"] == 20
     assert {"/late", "/parameter_events", "/rosout"} <= counts.keys()
@@ -202,6 +202,32 @@ def test_a_killed_recording_can_be_read_played_and_completed(tmp_path: Path, sto
     with bag_files.opened(folder) as bag:
         numbers = [int(data[place : place + DIGITS]) for _, _, data in bag.messages(bag.connections)]
     assert numbers == list(range(found))
+
+
+@pytest.mark.parametrize("storage", STORAGES)
+def test_a_bag_that_was_cut_is_shown_played_and_completed(tmp_path: Path, storage: str) -> None:
+    folder = made_bag(tmp_path / "bag", 1000, 0.002, storage)
+    (file,) = bag_files.storage_files(folder)
+    file.write_bytes(file.read_bytes()[: file.stat().st_size * 6 // 10])
+    out = ros2("bag", "info", str(folder))
+    assert out.status == 0
+    found = int(re.findall(r"Messages: +(\d+)", out.out)[0])
+    assert 200 < found < 1000
+    said = (
+        f"[WARN] [ros2bag]: '{folder}' is cut: {found} of its 1000 messages can be read. "
+        f"'ros2 bag reindex {folder}' makes them a whole bag.\n"
+    )
+    assert out.err == said
+    with Received("/played") as received:
+        out = ros2("bag", "play", str(folder), "--disable-keyboard-controls")
+        assert out.status == 0 and said in out.err
+        wait_until(lambda: received.numbers == list(range(found)))
+    out = ros2("bag", "reindex", str(folder))
+    assert texts(out.err.splitlines())[1] == (
+        f"[INFO] [rosbag2_cpp]: '{file.name}' was cut and is kept as '{file.name}.damaged-1': "
+        f"{found} messages were found, and it is complete now."
+    )
+    assert ros2("bag", "info", str(folder)).err == ""
 
 
 def _written(folder: Path) -> int:

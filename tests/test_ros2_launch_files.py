@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from course_kit.launching import output
 from course_kit.ros2.line_completion import complete
 from tests.ros2_launches import IMPORTS, Prefix, RunningGroup
 
@@ -198,3 +199,14 @@ def test_debug_shows_the_traceback(prefix: Prefix) -> None:
     lines = ended(prefix, path, "-d", status=1)
     assert "[INFO] [launch]: Default logging verbosity is set to DEBUG" in lines
     assert f'  File "{path}", line 2, in generate_launch_description' in lines
+
+
+def test_a_log_file_on_a_full_disk_is_given_up_with_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "full.log").symlink_to("/dev/full")
+    monkeypatch.setattr(output, "launch_folder", lambda: tmp_path)
+    for _ in range(3):
+        output._log("full.log", "a line")
+    (said,) = capsys.readouterr().err.splitlines()
+    assert said.startswith("cannot write full.log any more: No space left on device. Make room")

@@ -29,9 +29,9 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     NamespacedType,
 )
 
+from course_kit.interface_types import message_class
 from course_kit.ros2.messages.values import NotYaml, parse, populate, stamp
 from course_kit.ros2.messages.yaml_text import Shown, fields, to_csv, to_dict, to_yaml
-from course_kit.watching.topics import message_class
 
 EXAMPLES = settings(
     max_examples=6,

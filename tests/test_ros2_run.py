@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from course_kit.ros2.line_completion import complete
 from tests.ros2_command import COMMAND, TIMEOUT
 from tests.ros2_launches import ROOT, Prefix, RunningGroup, none_left
 from tests.terminal import CTRL_C, Terminal
+from tests.waiting import wait_until
 
 WAITING = """
 import os, signal, sys, time
@@ -120,6 +122,31 @@ def test_ctrl_c_in_a_terminal(prefix: Prefix) -> None:
         terminal.press(CTRL_C)
         assert terminal.end() == 0
     assert terminal.text.count("got SIGINT") == 1
+
+
+WITH_A_CHILD = (
+    """
+import subprocess, sys
+print("pid", subprocess.Popen([sys.executable, "-c", "import time; time.sleep(300)"]).pid, flush=True)
+"""
+    + WAITING
+)
+
+
+@pytest.mark.parametrize("in_terminal", [True, False])
+def test_nothing_is_left_when_it_is_killed(prefix: Prefix, in_terminal: bool) -> None:
+    prefix.program("demo", "program", WITH_A_CHILD)
+    if in_terminal:
+        with Terminal([*COMMAND, "run", "demo", "program"], prefix.environment) as terminal:
+            terminal.wait_for("pid", 2)
+            terminal.process.kill()
+            pids = [int(pid) for pid in re.findall(r"pid (\d+)", terminal.text)]
+            wait_until(lambda: none_left(pids), f"end of {pids}")
+    else:
+        with RunningGroup("run", "demo", "program", environment=prefix.environment) as running:
+            pids = [int(pid) for pid in running.wait_for(r"pid (\d+)", 2)]
+            running.process.kill()
+            wait_until(lambda: none_left(pids), f"end of {pids}")
 
 
 def test_tab_offers_packages_and_executables(prefix: Prefix, monkeypatch: pytest.MonkeyPatch) -> None:

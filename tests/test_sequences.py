@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 
 import pytest
@@ -50,6 +51,13 @@ def test_a_call_without_a_response_has_no_duration():
     (call,) = calls_of(whole_call(1, 0.1)[:2])
     assert call.waiting == pytest.approx(0.1)
     assert math.isnan(call.working) and math.isnan(call.duration)
+
+
+def test_a_request_that_found_the_server_busy_lay_in_its_queue():
+    times = {1: (0.0, 0.001, 0.3, 0.301), 2: (0.002, 0.3, 0.6, 0.601)}
+    two = [event(kind, number, at) for number in times for kind, at in zip(NAMES, times[number], strict=True)]
+    calls = calls_of(two + whole_call(3, 0.7))
+    assert [call.queued_among(calls) for call in calls] == [False, True, False]
 
 
 def test_two_clients_of_one_process_are_refused():
@@ -112,6 +120,11 @@ def test_real_calls_are_drawn_as_they_happened(client):
     plot = plot_calls(events)
     labels = [text.get_text().splitlines()[0] for text in plot.axes[0].get_legend().get_texts()]
     assert [label.split(":")[0] for label in labels] == ["call 1", "call 2", "call 3"]
+    assert re.search(
+        r"After .* ms, call 2: .* ms, .* ms in the queue, .* ms served\. After .* ms, call 3: ", repr(plot)
+    )
+    hatched = [bar for bar in plot.axes[0].patches if bar.get_hatch()]
+    assert [bar.get_height() >= 40.0 * number for number, bar in enumerate(hatched, 1)] == [True, True]
     assert plot._repr_png_()[0].startswith(b"\x89PNG")
 
 

@@ -236,7 +236,7 @@ def seen_graph(observer: Node) -> dict[str, dict[str, str]]:
         "services": observer.get_service_names_and_types_by_node(*node),
         "actions": get_action_server_names_and_types_by_node(observer, *node),
     }
-    common = ("/parameter_events", "/rosout", "/turtlesim/")
+    common = ("/parameter_events", "/rosout", "/turtlesim/", "/_")  # the last are hidden
     return {
         kind: {
             name: types[0]

@@ -114,7 +114,7 @@ def test_values_are_those_that_were_sent(robot: Node) -> None:
     assert np.isnan(there["/scan.ranges[7]"].values).all()
     shown = repr(there)
     assert shown.splitlines()[0].split()[:2] == ["path", "messages"] and len(shown.splitlines()) == 4
-    with pytest.raises(KeyError, match=r"/turtle1/pose\.y was not read"):
+    with pytest.raises(KeyError, match=r"/turtle1/pose\.y. was not read"):
         there["/turtle1/pose.y"]
 
 

@@ -13,6 +13,7 @@ from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 
+from course_kit.arguments import NODE, TEXT, WAIT, takes
 from course_kit.background import running
 from course_kit.node_logs.rosout import LEVELS, level_number
 from course_kit.polling import wait_until
@@ -23,6 +24,7 @@ from course_kit.watching import instruments
 DEFAULT = "INFO"  # where no level was set
 
 
+@takes(timeout=WAIT)
 def log_level(node: Node | str, timeout: float = 5.0) -> str:
     """The lowest level that a node logs: DEBUG, INFO, WARN, ERROR or FATAL.
 
@@ -38,6 +40,7 @@ def log_level(node: Node | str, timeout: float = 5.0) -> str:
     return next((LEVELS.get(level.level, DEFAULT) for level in levels if level.level), DEFAULT)
 
 
+@takes(level=TEXT, timeout=WAIT)
 def set_log_level(node: Node | str, level: str, timeout: float = 5.0) -> None:
     """Let a node log this level and those above from now on: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'.
 
@@ -61,6 +64,7 @@ def _own(node: Node | str) -> Node | None:
         return node
     if not isinstance(node, str):
         raise TypeError(f"give a node or the name of one, not {type(node).__name__}")
+    NODE.check("the node", node)
     name = "/" + node.strip("/")
     return next((one for one in running.nodes() if one.get_fully_qualified_name() == name), None)
 

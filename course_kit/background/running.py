@@ -19,9 +19,11 @@ from typing import Any, TypeVar
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from course_kit.background import guards
+from course_kit.arguments import NODE, shown
+from course_kit.background import guards, namesakes
 from course_kit.internals import going_on_without
 from course_kit.internals.rclpy_parts import end_child_loggers
+from course_kit.long_tasks import long_task
 from course_kit.node_logs import rosout
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
@@ -48,7 +50,8 @@ class _Running:
 
 _lock = threading.RLock()
 _running: dict[str, _Running] = {}
-# What is called with an event and the name of a node: "starting", "running", "failed", "stopped".
+_stuck: dict[str, _Running] = {}  # those whose callback does not return, though they were stopped
+# What is called with an event and the name of a node: "starting", "running", "failed", "stopped", "stuck".
 listeners: set[Callable[[str, str], None]] = set()
 _constructing = threading.local()  # its `name` is that of the node whose constructor runs in this thread
 
@@ -67,6 +70,8 @@ def run(node: Callable[..., NodeType], *args: Any, executor: Executor | None = N
     MultiThreadedExecutor; without one the node has a single thread. Raises TypeError for what is neither a Node class
     nor a node.
     """
+    if executor is not None and not isinstance(executor, Executor):
+        raise TypeError(f"executor is one of rclpy's, such as MultiThreadedExecutor(), not {shown(executor)}")
     guards.install()
     start = context.start()
     rosout.collect()
@@ -151,6 +156,41 @@ def _replace(name: str, unless: Node | None = None) -> None:
     earlier = _running.get(name)
     if earlier is not None and earlier.node is not unless:
         _end(earlier)
+    if said := still_stuck(name):
+        raise RuntimeError(f"{said} Or run a node of another name.")
+
+
+def still_stuck(name: str) -> str:
+    """That a node cannot be stopped, where its callback is, and the cure; '' once it has returned."""
+    entry = _stuck.get(name)
+    if entry is None:
+        return ""
+    stall = entry.spinning.stall()
+    if stall is None:
+        if _stuck.pop(name, None) is not None:
+            entry.spinning.close()  # what it held until now
+        return ""
+    return (
+        f"{name} is not stopped: a callback of it has been in {stall.place} since {stall.clock}, which Python cannot "
+        f"interrupt, so it ends by itself or when the kernel is restarted (menu Kernel, Restart)."
+    )
+
+
+def remarks(name: str) -> list[str]:
+    """What is to be said of a node, though nothing was raised: each a sentence with cause and cure."""
+    if said := still_stuck(name):
+        return [said]
+    entry = _running.get(name)
+    if entry is None:
+        return []
+    stall = entry.spinning.stall()
+    blocked = (
+        f"A callback has not returned since {stall.clock} ({stall.place}), and until it does this node does nothing "
+        f"else: return from a callback soon, and let a timer do what comes later."
+        if stall is not None and stall.is_long
+        else ""
+    )
+    return [said for said in (blocked, namesakes.told(name), context.elsewhere()) if said]
 
 
 def _forget_ended(start: int) -> None:
@@ -164,23 +204,28 @@ def stop(*which: Node | str | type[Node] | Process) -> None:
     """Stop and destroy nodes: given by themselves, by name or by class. Stop processes, as start() returned them.
 
     Without argument, all of both. A callback that still runs is interrupted. Stopping what is stopped does nothing.
-    Raises ValueError for a name that does not run.
+    Raises ValueError for a name that does not run, RuntimeError if a callback cannot be interrupted.
     """
-    for process in [one for one in which if isinstance(one, Process)]:
-        process.stop()
-    if not which:
-        processes.stop_all()
-    selected = [r for one in which if not isinstance(one, Process) for r in _select(one)]
-    for entry in selected if which else list(_running.values()):
-        _end(entry)
+    with long_task("stopping nodes and processes"):
+        for process in [one for one in which if isinstance(one, Process)]:
+            process.stop()
+        if not which:
+            processes.stop_all()
+        selected = [r for one in which if not isinstance(one, Process) for r in _select(one)]
+        ending = selected if which else [*_running.values(), *_stuck.values()]
+        for entry in ending:
+            _end(entry)
+    if stuck := [said for name in {entry.name for entry in ending} if (said := still_stuck(name))]:
+        raise RuntimeError("\n".join(stuck))
 
 
 def _select(which: Node | str | type[Node]) -> list[_Running]:
-    running = list(_running.values())
+    running = [*_running.values(), *_stuck.values()]
     if isinstance(which, Node):
         return [r for r in running if r.node is which]
-    if isinstance(which, type):
+    if isinstance(which, type) and issubclass(which, Node):
         return [r for r in running if which.__qualname__ in {c.__qualname__ for c in type(r.node).__mro__[:-1]}]
+    NODE.check("stop() takes nodes, their classes or their names: the name", which)
     name = "/" + which.strip("/")
     found = [r for r in running if r.name == name]
     if not found:
@@ -198,9 +243,14 @@ def _end(entry: _Running) -> None:
             return
         del _running[entry.name]
     logger = entry.node.get_logger().name
+    entry.spinning.stall()  # where it is, if it cannot be stopped
     entry.spinning.close()
     with going_on_without("action servers of a node that is run again may log to the terminal alone"):
         end_child_loggers(logger)
+    if entry.spinning.is_alive and entry.spinning.stall() is not None:
+        _stuck[entry.name] = entry
+        _tell("stuck in a callback", entry.name)
+        return
     _tell("stopped", entry.name)
 
 

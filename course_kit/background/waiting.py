@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import textwrap
 import threading
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
+from rclpy.action import ActionClient
 from rclpy.task import Future
 
+from course_kit.arguments import TEXT, WAIT, takes
 from course_kit.background import running
 from course_kit.interface_types import type_name
 from course_kit.internals import going_on_without
+from course_kit.internals.rclpy_action_parts import awaited_of
 from course_kit.internals.rclpy_parts import pending_requests
+from course_kit.long_tasks import LongTask, long_task
 from course_kit.polling import wait_until
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
-from course_kit.spinning import executors
+from course_kit.spinning import action_answers, executors
 
 POLL = 0.01  # seconds between two looks at a condition
+LONGEST_FEEDBACK = 80  # characters
 
 
+@takes(timeout=WAIT, what=TEXT | None)
 def wait_for(awaited: Future | Process | Callable[[], Any], timeout: float = 5.0, what: str | None = None) -> Any:
     """Wait for a future's result, or until a condition is true; return the result or the condition's value.
 
@@ -42,23 +49,36 @@ def wait_for(awaited: Future | Process | Callable[[], Any], timeout: float = 5.0
 
 
 def _wait_for_future(future: Future | Process, timeout: float, what: str | None) -> Any:
+    explain = getattr(future, "explain_wait", lambda: _explain(future))  # a process has it
     done = threading.Event()
     future.add_done_callback(lambda _: done.set())
-    if not done.wait(timeout):
-        explain = getattr(future, "explain_wait", lambda: _explain(future))  # a process has it
+    with (
+        long_task(lambda: f"waiting for {what or explain()[0]}", timeout, at_most=True) as task,
+        _feedback(future, task),
+    ):
+        is_done = done.wait(timeout)
+    if not is_done:
         described, hint = explain()
-        raise TimeoutError(f"{what or described} did not come within {timeout:g} s. {hint}")
+        raise TimeoutError(f"{what or described} did not come within {timeout:g} s. {_remarked() or hint}")
     return future.result()
 
 
 def _wait_for_condition(condition: Callable[[], Any], timeout: float, what: str | None) -> Any:
-    if value := wait_until(condition, timeout, POLL):
+    with long_task(lambda: f"waiting for {what or _describe_condition(condition)}", timeout, at_most=True):
+        value = wait_until(condition, timeout, POLL)
+    if value:
         return value
+    hint = "Is the node that should bring it running? nodes() lists those of this notebook, logs() what they say."
     raise TimeoutError(
-        f"{what or _describe_condition(condition)} did not come true within {timeout:g} s. "
-        f"Is the node that should bring it running? nodes() lists those of this notebook, logs() what they say."
+        f"{what or _describe_condition(condition)} did not come true within {timeout:g} s. {_remarked() or hint}"
         f"{_failed_processes()}"
     )
+
+
+def _remarked() -> str:
+    """What is to be said of the nodes that run in the background, if anything: that is nearer than a guess."""
+    names = [node.get_fully_qualified_name() for node in running.nodes()]
+    return " ".join(dict.fromkeys(said for name in names for said in running.remarks(name)))
 
 
 def _failed_processes() -> str:
@@ -86,8 +106,67 @@ def _client_of(future: Any) -> Any:
     return None
 
 
+@contextlib.contextmanager
+def _feedback(future: Any, task: LongTask) -> Iterator[None]:
+    """Have a task tell the feedback of the goal whose result the future is, if it is one."""
+    awaited = _awaited_of_action(future)
+    if awaited is None or not awaited.goal:
+        yield
+        return
+
+    def listen(goal: bytes, feedback: Any) -> None:
+        if goal == awaited.goal:
+            task.doing = feedback_text(feedback)
+
+    action_answers.feedback_listeners.add(listen)
+    try:
+        yield
+    finally:
+        action_answers.feedback_listeners.discard(listen)
+
+
+def feedback_text(feedback: Any) -> str:
+    """The fields of a feedback message in a few words: numbers and texts, and how long arrays are."""
+    parts = []
+    for name in feedback.get_fields_and_field_types():
+        value = getattr(feedback, name)
+        if isinstance(value, float):
+            parts.append(f"{name} {value:.3g}")
+        elif isinstance(value, int | str):
+            parts.append(f"{name} {value}")
+        elif hasattr(value, "__len__"):
+            parts.append(f"{len(value)} in {name}")
+    return textwrap.shorten(", ".join(parts), LONGEST_FEEDBACK, placeholder=" …")
+
+
+class _AwaitedOfAction(NamedTuple):
+    client: ActionClient
+    what: str
+    goal: bytes  # the id of the goal, if its result is awaited
+
+
+def _awaited_of_action(future: Any) -> _AwaitedOfAction | None:
+    with going_on_without("wait_for() does not say what of an action is waited for"):
+        for node in running.nodes():
+            for client in [one for one in node.waitables if isinstance(one, ActionClient)]:
+                for pending, what, goal in awaited_of(client):
+                    if pending is future:
+                        return _AwaitedOfAction(client, what, goal)
+    return None
+
+
+def _explain_action(awaited: _AwaitedOfAction) -> tuple[str, str]:
+    name = awaited.client._action_name
+    if not awaited.client.server_is_ready():
+        return f"{awaited.what} of the action {name}", f"No node offers {name}: is the server running, under that name?"
+    hint = "The server is there: logs() shows whether its callback has failed; a longer timeout lets it go on."
+    return f"{awaited.what} of the action {name}", hint
+
+
 def _explain(future: Any) -> tuple[str, str]:
     """What a future brings, and what to look at."""
+    if (awaited := _awaited_of_action(future)) is not None:
+        return _explain_action(awaited)
     client = _client_of(future)
     if client is None:
         hint = "A future completes only while the node it belongs to runs: nodes() lists those that do."

@@ -10,17 +10,29 @@ What is recorded here `ros2 bag info` and `ros2 bag play` of every ROS 2 Jazzy r
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from course_kit.bags.files import BagInfo, BagTopic, info, opened, storage_files
+from course_kit.arguments import PATH, RATE, TEXT, takes
+from course_kit.bags.files import (
+    BagInfo,
+    BagTopic,
+    OpenBag,
+    info,
+    is_being_recorded,
+    opened,
+    storage_files,
+)
 from course_kit.bags.repair import reindex
 from course_kit.bags.storage import BagError
 from course_kit.polling import wait_until
 from course_kit.watching import topics
+from course_kit.whole_files import writing
 
 __all__ = ["BagError", "BagInfo", "BagRecording", "BagTopic", "info", "play", "read", "record", "reindex"]
 
@@ -69,23 +81,20 @@ class BagRecording:
         self.stop()
 
 
-def new_folder(path: str | os.PathLike[str], overwrite: bool) -> Path:
-    """The path of a bag that is to be written; one that is there is removed if `overwrite`.
-
-    Raises FileExistsError otherwise, and for a folder that is no bag.
-    """
+def refuse_what_is_there(path: str | os.PathLike[str], overwrite: bool) -> Path:
+    """The path of a bag that is to be written. Raises FileExistsError if it is there, unless a bag and `overwrite`."""
     folder = Path(path)
-    if folder.exists():
-        if not (overwrite and folder.is_dir() and storage_files(folder)):
-            raise FileExistsError(f"Output folder '{path}' already exists.")
-        shutil.rmtree(folder)
+    if folder.exists() and not (overwrite and folder.is_dir() and storage_files(folder)):
+        raise FileExistsError(f"Output folder '{path}' already exists.")
     return folder
 
 
+@takes(path=PATH, names=TEXT, storage=TEXT)
 def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", overwrite: bool = False) -> BagRecording:
     """Record topics, all of them if none is named, into a new bag from now on; also topics that appear later.
 
-    `storage` is mcap or sqlite3. Raises FileExistsError if the folder is there, unless `overwrite` and it is a bag.
+    `storage` is mcap or sqlite3. Raises FileExistsError if the folder is there, unless `overwrite` and it is a bag;
+    NotWritten if nothing can be written there.
     """
     from course_kit.bags.recorder import Recorder
     from course_kit.bags.selection import Selection
@@ -94,7 +103,10 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
     if storage not in FILES:
         raise ValueError(f"storage is one of {', '.join(FILES)}, not {storage!r}")
     wanted = [topics.absolute(name) for name in names]
-    folder = new_folder(path, overwrite)
+    folder = refuse_what_is_there(path, overwrite)
+    if folder.exists():
+        with writing(folder):
+            shutil.rmtree(folder)
     selection = Selection(names=wanted, every=not wanted)
     recorder = Recorder(BagWriter(folder, storage), selection)
     try:
@@ -106,14 +118,25 @@ def record(path: str | os.PathLike[str], *names: str, storage: str = "mcap", ove
     return BagRecording(recorder)
 
 
+@contextlib.contextmanager
+def told(path: str | os.PathLike[str]) -> Iterator[OpenBag]:
+    """A bag that is open for reading, as opened() gives it; one line says what is left of one that is not complete."""
+    with opened(path) as bag:
+        if bag.notice and not is_being_recorded(bag.path):
+            print(f"bags: {bag.notice}", file=sys.stderr)
+        yield bag
+
+
+@takes(path=PATH, names=TEXT)
 def read(path: str | os.PathLike[str], *names: str) -> Iterator[tuple[str, int, Any]]:
     """(topic, time of receipt in ns, message) of a bag, of the topics named or of all, read as they are asked for.
 
-    Raises BagError if there is no such bag or topic, ModuleNotFoundError if the package of a type is not installed.
+    Of a bag that was cut it gives what is left, and says so. Raises BagError if there is no such bag or topic,
+    ModuleNotFoundError if the package of a type is not installed.
     """
     from rclpy.serialization import deserialize_message
 
-    with opened(path) as bag:
+    with told(path) as bag:
         there = {connection.topic for connection in bag.connections}
         wanted = {topics.absolute(name) for name in names} or there
         if missing := sorted(wanted - there):
@@ -124,15 +147,14 @@ def read(path: str | os.PathLike[str], *names: str) -> Iterator[tuple[str, int, 
             yield connection.topic, nanoseconds, deserialize_message(bytes(data), classes[connection.topic])
 
 
+@takes(path=PATH, names=TEXT, rate=RATE)
 def play(path: str | os.PathLike[str], *names: str, rate: float = 1.0, tick: Callable[[], None] | None = None) -> None:
     """Publish the messages of a bag as they were recorded, `rate` times as fast; returns when the last one is out."""
     from course_kit.bags.player import Player, PlayOptions
     from course_kit.bags.selection import Selection
 
-    if rate <= 0:
-        raise ValueError(f"a bag plays at a rate above 0, not {rate:g}")
     options = PlayOptions(rate, selection=Selection([topics.absolute(name) for name in names], every=not names))
-    with opened(path) as bag:
+    with told(path) as bag:
         player = Player(bag, options, lambda line: None)
         try:
             wait_until(lambda: player.is_matched, topics.MATCH_TIMEOUT)

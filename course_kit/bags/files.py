@@ -18,9 +18,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from course_kit.bags.storage import BagError, open_storage
+from course_kit.arguments import PATH, takes
+from course_kit.bags.storage import BagError, is_cut, open_storage
 
 METADATA = "metadata.yaml"
+LATEST = 2**63 - 1  # nanoseconds, as rosbag2 holds them
 STORAGES = {".mcap": "mcap", ".db3": "sqlite3"}
 
 
@@ -49,6 +51,7 @@ class BagInfo:
     message_count: int
     topics: list[BagTopic] = field(default_factory=list)
     is_complete: bool = True
+    notice: str = ""  # one line that says what is left of a bag that is not complete
 
     @property
     def end(self) -> int:
@@ -70,6 +73,12 @@ class OpenBag:
     start: int
     is_complete: bool
     readers: Sequence[Any]  # rosbags', one for the bag or one for each storage file
+    notice: str = ""
+
+    @property
+    def end(self) -> int:
+        """When its last message was received; its start, if it has none."""
+        return max((reader.end_time - 1 for reader in self.readers if reader.message_count), default=self.start)
 
     def messages(self, connections: Sequence[Any], start: int | None = None) -> Iterator[tuple[Any, int, bytes]]:
         """(connection, time of receipt, serialised message), in the order of time, from `start` on."""
@@ -110,17 +119,17 @@ def is_being_recorded(folder: Path) -> bool:
     return False
 
 
+@takes(path=PATH)
 def info(path: str | os.PathLike[str]) -> BagInfo:
-    """What a bag holds, from its metadata.yaml or, where it has none, from its storage files. Raises BagError."""
+    """What a bag holds, from its metadata.yaml or, where it has none or is cut, from its files. Raises BagError."""
     place = Path(path)
-    if (place / METADATA).is_file():
+    if _is_whole(place):
         return _from_metadata(place)
     with opened(place) as bag:
         counts = [
             BagTopic(c.topic, c.msgtype, c.msgcount, c.ext.serialization_format, c.digest) for c in bag.connections
         ]
         files = storage_files(place) if place.is_dir() else [place]
-        end = max((reader.end_time - 1 for reader in bag.readers if reader.message_count), default=bag.start)
         return BagInfo(
             place,
             [file.name if place.is_dir() else str(path) for file in files],
@@ -128,11 +137,18 @@ def info(path: str | os.PathLike[str]) -> BagInfo:
             STORAGES[files[0].suffix],
             _distro(files[0]),
             bag.start,
-            end - bag.start,
+            bag.end - bag.start,
             sum(topic.count for topic in counts),
             counts,
-            bag.is_complete and not place.is_dir(),
+            bag.is_complete,
+            bag.notice,
         )
+
+
+def _is_whole(place: Path) -> bool:
+    """Whether it is a bag with metadata.yaml, and no file of it is cut."""
+    with _telling(place):
+        return (place / METADATA).is_file() and not any(map(is_cut, storage_files(place)))
 
 
 def _from_metadata(folder: Path) -> BagInfo:
@@ -151,20 +167,23 @@ def _from_metadata(folder: Path) -> BagInfo:
             )
             for entry in told["topics_with_message_count"]
         ]
+        start, duration = told["starting_time"]["nanoseconds_since_epoch"], told["duration"]["nanoseconds"]
+        if not -LATEST <= start <= start + duration <= LATEST:
+            raise ValueError
         return BagInfo(
             folder,
             [Path(name).name for name in told["relative_file_paths"]],
             _size(folder),
             told["storage_identifier"],
             told.get("ros_distro") or "",
-            int(told["starting_time"]["nanoseconds_since_epoch"]),
-            int(told["duration"]["nanoseconds"]),
+            int(start),
+            int(duration),
             int(told["message_count"]),
             topics,
         )
     except OSError as error:
         raise BagError(f"'{folder / METADATA}' cannot be read: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError, KeyError, TypeError, ValueError, AttributeError):
+    except (yaml.YAMLError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError):
         raise BagError(f"'{folder / METADATA}' is no metadata of a bag. 'ros2 bag reindex' makes it anew.") from None
 
 
@@ -182,8 +201,11 @@ def _distro(file: Path) -> str:
 
 
 @contextlib.contextmanager
-def opened(path: str | os.PathLike[str]) -> Iterator[OpenBag]:
-    """A bag, open for reading. Raises BagError if there is none, or none that can be read."""
+def opened(path: str | os.PathLike[str], by_metadata: bool = True) -> Iterator[OpenBag]:
+    """A bag, open for reading; not `by_metadata`, its files alone are asked.
+
+    Raises BagError if there is none, or none that can be read.
+    """
     from rosbags.rosbag2 import Reader
 
     place = Path(path)
@@ -191,7 +213,8 @@ def opened(path: str | os.PathLike[str]) -> Iterator[OpenBag]:
         raise BagError(f"Bag path '{path}' does not exist!")
     with ExitStack() as stack:
         with _telling(place):
-            if (place / METADATA).is_file():
+            if by_metadata and _is_whole(place):
+                _from_metadata(place)  # says what is wrong better than rosbags does
                 reader = stack.enter_context(Reader(place))
                 bag = OpenBag(place, list(reader.connections), reader.start_time, True, [reader])
             else:
@@ -228,4 +251,24 @@ def _open_files(place: Path, stack: ExitStack) -> OpenBag:
         known = merged.get(_key(connection))
         count = connection.msgcount + (known.msgcount if known else 0)
         merged[_key(connection)] = (known or connection)._replace(msgcount=count)
-    return OpenBag(place, list(merged.values()), min(reader.start_time for reader in readers), is_complete, readers)
+    start = min(reader.start_time for reader in readers)
+    notice = "" if is_complete else _notice(place, files, sum(reader.message_count for reader in readers))
+    return OpenBag(place, list(merged.values()), start, is_complete, readers, notice)
+
+
+def _notice(place: Path, files: Sequence[Path], count: int) -> str:
+    """The line that says what can be had of a bag that its recorder has not closed, or that was cut."""
+    folder = place if place.is_dir() else place.parent
+    if is_being_recorded(folder):
+        return f"'{place}' is still being recorded: {count} messages can be read by now."
+    was_closed, told = (place / METADATA).is_file(), ""
+    if was_closed or any(file.suffix == ".db3" and is_cut(file) for file in files):
+        with contextlib.suppress(BagError):
+            told = f" of its {_from_metadata(place).message_count}" if was_closed else ""
+        return (
+            f"'{place}' is cut: {count}{told} messages can be read. 'ros2 bag reindex {folder}' makes them a whole bag."
+        )
+    return (
+        f"'{place}' was not closed by its recorder: {count} messages can be read. "
+        f"'ros2 bag reindex {folder}' completes it."
+    )

@@ -13,6 +13,7 @@ from rosbags.interfaces import Connection, QosTime
 from course_kit.bags.files import METADATA
 from course_kit.bags.storage import NO_TIME
 from course_kit.internals.rosbags_parts import DISTRO
+from course_kit.whole_files import write_whole
 
 VERSION = 9
 
@@ -83,10 +84,8 @@ def profiles_of(connection: Connection) -> list[dict[str, Any]]:
 
 
 def write_metadata(folder: Path, metadata: Mapping[str, Any]) -> None:
-    """Write metadata.yaml, all of it or nothing."""
-    draft = folder / f"{METADATA}.tmp"
-    draft.write_text(as_yaml({"rosbag2_bagfile_information": metadata}), encoding="utf-8")
-    draft.replace(folder / METADATA)
+    """Write metadata.yaml, all of it or nothing. Raises NotWritten."""
+    write_whole(folder / METADATA, as_yaml({"rosbag2_bagfile_information": metadata}).encode())
 
 
 def as_yaml(data: Any) -> str:

@@ -21,6 +21,7 @@ from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
 from course_kit.bags.recorder import BagLogLine
 from course_kit.bags.selection import Selection
+from course_kit.long_tasks import long_task
 from course_kit.polling import wait_until
 from course_kit.spinning import context
 from course_kit.spinning.nodes import quiet_node
@@ -160,12 +161,19 @@ class Player:
             if self.options.delay > 0:
                 self.say(f"Sleep {int(self.options.delay * 1e9)} ns")
                 wait_until(tick, self.options.delay, SLICE)
-            self._play_once(tick, stop_at)
+            with long_task(f"playing {self.bag.path.name}", self._length(stop_at)) as task:
+                task.done = lambda: (self.clock.now() - self._start) * 1e-9
+                self._play_once(tick, stop_at)
             if not self.options.loop:
                 break
             tick()
         for publisher in self.publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=1))
+
+    def _length(self, stop_at: int | None) -> float:
+        """Seconds of the bag that are played."""
+        end = self.bag.end if stop_at is None else min(stop_at, self.bag.end)
+        return max(0.0, (end - self._start) * 1e-9)
 
     def _play_once(self, tick: Callable[[], None], stop_at: int | None) -> None:
         connections = [c for c in self.bag.connections if c.topic in self.publishers]

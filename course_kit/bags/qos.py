@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 INFINITE = (1 << 63) - 1  # nanoseconds
 DEPTH = 1000  # messages that a playing publisher keeps for readers that are busy
+DEEPEST = 2**31 - 1  # Fast DDS counts in 32 bits
 LATCHED_DEPTH = 10  # messages that it keeps for who comes later
 POLICIES: Mapping[str, Any] = {
     "history": HistoryPolicy,
@@ -84,9 +85,13 @@ def _profile(policies: Mapping[str, Any]) -> QoSProfile:
         if key in DURATIONS:
             if not isinstance(value, Mapping) or not {"sec", "nsec"} <= value.keys():
                 raise ValueError("Time overrides must include both seconds (sec) and nanoseconds (nsec).")
-            nanoseconds = int(value["sec"]) * 10**9 + int(value["nsec"])
+            if not all(isinstance(value[part], int) for part in ("sec", "nsec")):
+                raise ValueError(f"sec and nsec of `{key}` are integers.")
+            nanoseconds = value["sec"] * 10**9 + value["nsec"]
             if nanoseconds < 0:
                 raise ValueError("Time duration may not be a negative value.")
+            if nanoseconds > INFINITE:
+                raise ValueError(f"`{key}` is longer than the longest duration, {INFINITE // 10**9} s.")
             settings[key] = Duration(nanoseconds=nanoseconds)
         elif key in POLICIES:
             try:
@@ -96,6 +101,8 @@ def _profile(policies: Mapping[str, Any]) -> QoSProfile:
         elif key in ("depth", "avoid_ros_namespace_conventions"):
             if not isinstance(value, int) or value < 0:
                 raise ValueError(f"`{key}` may not be a negative value.")
+            if value > DEEPEST:
+                raise ValueError(f"`{key}` is at most {DEEPEST}.")
             settings[key] = value
         else:
             raise ValueError(f"Unexpected key `{key}` for QoS profile.")

@@ -7,9 +7,10 @@ an mcap file, the index at its end (see files.py).
 from __future__ import annotations
 
 import contextlib
-import fcntl
+import errno
 import os
 import shutil
+import sqlite3
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,19 +21,25 @@ from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefiniti
 from course_kit.bags.metadata import VERSION, Span, as_yaml, metadata_of, profiles_of, write_metadata
 from course_kit.bags.storage import BagError
 from course_kit.bags.types import definition, type_hash
+from course_kit.file_locks import acquire
 from course_kit.internals import NotAsExpected
 from course_kit.internals.rosbags_parts import FILES, StorageFile
+from course_kit.polling import wait_until
+from course_kit.whole_files import NotWritten, writing
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Qos
+
+
+LOCK_TIMEOUT = 5.0  # seconds; who looks whether it is being recorded has it for a moment
 
 
 class BagWriter:
     """A new bag in a new folder; safe to use from several threads.
 
     With `max_size` (bytes) or `max_seconds` it goes on in a further file when one has reached either. Raises
-    FileExistsError if the folder is there, BagError if files of this kind cannot be written here, OSError or
-    sqlite3.Error when writing fails.
+    FileExistsError if the folder is there, NotWritten if nothing can be written there, BagError if no files of this
+    kind can be, OSError or sqlite3.Error when writing fails later.
     """
 
     def __init__(
@@ -51,15 +58,25 @@ class BagWriter:
         self._counts: dict[str, int] = {}
         self._spans: list[Span] = []
         self._thread_lock = threading.RLock()
-        self.folder.mkdir(parents=True)
+        if os.path.lexists(self.folder):
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), os.fspath(folder))
+        with writing(folder):
+            self.folder.mkdir(parents=True)
         self._folder_lock = os.open(self.folder, os.O_RDONLY)
-        fcntl.flock(self._folder_lock, fcntl.LOCK_EX)
         try:
-            self._file = self._open_next()
-        except NotAsExpected as error:
+            if not wait_until(lambda: acquire(self._folder_lock), LOCK_TIMEOUT):
+                raise BagError(f"'{folder}' is new, and another program keeps it locked: choose another name")
+            with writing(folder):
+                self._file = self._open_next()
+        except BaseException as error:
             self._unlock()
-            shutil.rmtree(self.folder)
-            raise BagError(f"No bag of {storage} can be written: {error}") from None
+            shutil.rmtree(self.folder, ignore_errors=True)
+            if isinstance(error, NotAsExpected):
+                raise BagError(f"No bag of {storage} can be written: {error}") from None
+            if isinstance(error, sqlite3.Error):  # which has no numbers of the system's
+                full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+                raise NotWritten(full if "full" in str(error) else OSError(errno.EIO, str(error)), folder) from None
+            raise
 
     @property
     def message_count(self) -> int:

@@ -1,4 +1,4 @@
-"""Goals of an action as pictures: their state machine, their lives over time, the conversation about one."""
+"""Goals of an action as pictures: their state machine, their lives over time."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import FancyBboxPatch, Patch
 
+from course_kit.arguments import TEXT, takes
 from course_kit.calls.goals import ENDS, Goal, goals_of
-from course_kit.calls.sequences import Arrow, Bar, plot_sequence
-from course_kit.figures import COLOURS, FAINT, INK, PANEL, Plot, legend, style
+from course_kit.figures import AMBER, COLOURS, FAINT, INK, PANEL, SKY, Plot, as_ink, legend, style
 from course_kit.recordings.recording import Recording
 
 SERVER, CLIENT = COLOURS[0], COLOURS[1]  # who brings a change about
-OF_STATE = {"ACCEPTED": "#c9c9c2", "EXECUTING": COLOURS[5], "CANCELING": COLOURS[4]}
+OF_STATE = {"ACCEPTED": "#c9c9c2", "EXECUTING": SKY, "CANCELING": AMBER}
 OF_END = {"SUCCEEDED": COLOURS[2], "CANCELED": COLOURS[1], "ABORTED": "#a50026"}
 # Where the states stand, and the changes between them: from, to, label, place of the label along the arrow, by whom.
 PLACES = {
@@ -64,6 +64,14 @@ def plot_goal_states() -> Plot:
         Patch(facecolor=PANEL, edgecolor=OF_END["SUCCEEDED"], linewidth=2.2, label="ends of a goal"),
     ]
     legend(axes, handles=handles, loc="lower center", ncols=3)
+    told = [
+        f"{start} to {end} by {label} of the {'client' if colour == CLIENT else 'server'}"
+        for start, end, label, _, colour in CHANGES
+    ]
+    plot.description = (
+        f"The states of a goal. It is rejected, and never a goal, or ACCEPTED. {'; '.join(told)}. "
+        f"{', '.join(ENDS)} are its ends."
+    )
     return plot
 
 
@@ -86,13 +94,14 @@ def _draw_change(
         axes.text(at[0], at[1], label, color=INK, fontsize=9, ha="center", va="center", bbox=box, zorder=2.5)
 
 
+@takes(title=TEXT | None)
 def plot_goals(recorded: Recording, title: str | None = None) -> Plot:
     """One row a goal: how long it waited, was executed and was being cancelled, its feedback, and how it ended.
 
     Takes a recording of an action's `_action/status` and, if there is feedback to show, `_action/feedback`. Raises
     ValueError for other topics, and if no goal was active while it was recorded.
     """
-    action, goals = _goals(recorded)
+    action, goals = recorded_goals(recorded)
     start = goals[0].accepted
     known = [t for goal in goals for t in (*(t for t, _ in goal.changes), *goal.feedback)]
     end = max(known) - start
@@ -108,7 +117,7 @@ def plot_goals(recorded: Recording, title: str | None = None) -> Plot:
         if goal.ended is not None:
             axes.annotate(
                 goal.state, (goal.ended - start, row), (6, 0), textcoords="offset points",
-                color=OF_END[goal.state], fontsize=9, fontweight="bold", va="center",
+                color=as_ink(OF_END[goal.state]), fontsize=9, fontweight="bold", va="center",
             )  # fmt: skip
     axes.set_yticks(range(len(goals)), [f"goal {number}" for number in range(1, len(goals) + 1)])
     axes.set_ylim(len(goals) - 0.5, -0.5)
@@ -116,33 +125,19 @@ def plot_goals(recorded: Recording, title: str | None = None) -> Plot:
     handles: list[Patch | Line2D] = [Patch(facecolor=c, edgecolor=FAINT, label=s) for s, c in OF_STATE.items()]
     handles.append(Line2D([], [], marker="|", linestyle="", color=INK, markersize=9, label="feedback"))
     legend(axes, handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4)
+    told = [_in_words(number, goal, start) for number, goal in enumerate(goals, 1)]
+    plot.description = " ".join([f"Goals of {action}.", *told])
     return plot
 
 
-def plot_conversation(recorded: Recording, title: str | None = None) -> Plot:
-    """What client and server said to each other about a goal, the first one recorded; time runs down.
-
-    Takes what plot_goals() takes. The times are those at which the server's words arrived at the recording: a
-    request is drawn at the moment in which the server answered it.
-    """
-    action, goals = _goals(recorded)
-    goal = goals[0]
-    arrows = [Arrow("client", "server", goal.accepted, goal.accepted, INK, "goal, accepted")]
-    for number, time in enumerate(goal.feedback):
-        arrows.append(Arrow("server", "client", time, time, COLOURS[5], "" if number else "feedback"))
-    for time, state in goal.changes:
-        if state == "CANCELING":
-            arrows.append(Arrow("client", "server", time, time, COLOURS[4], "cancel"))
-        if state in ENDS:
-            arrows.append(Arrow("server", "client", time, time, OF_END[state], f"result: {state}"))
-    known = [arrow.sent for arrow in arrows]
-    end = max(known) if goal.ended is None else goal.ended
-    bars = [Bar("client", goal.accepted, end, INK, is_hollow=True), Bar("server", goal.accepted, end, SERVER)]
-    return plot_sequence(("client", "server"), arrows, bars, title or f"A goal of {action}")
+def _in_words(number: int, goal: Goal, start: float) -> str:
+    states = ", ".join(f"{state} at {time - start:.2f} s" for time, state in goal.changes)
+    count = len(goal.feedback)
+    return f"Goal {number}: {states}" + (f", {count} time{'s' if count > 1 else ''} feedback." if count else ".")
 
 
-def _goals(recorded: Recording) -> tuple[str, list[Goal]]:
-    """The action's name and its goals."""
+def recorded_goals(recorded: Recording) -> tuple[str, list[Goal]]:
+    """The action's name and its goals, from a recording of its topics. What plot_goals() raises."""
     if not isinstance(recorded, Recording):
         raise TypeError(f"a goal is drawn from what record() returns, not from {type(recorded).__name__}")
     by_topic = {one.topic: [*zip(one.receive_ns * 1e-9, one.messages, strict=True)] for one in recorded}

@@ -17,10 +17,11 @@ ENDS = ("SUCCEEDED", "CANCELED", "ABORTED")
 
 @dataclass
 class Goal:
-    """A goal: when it came into which state, and when feedback on it was published. Seconds."""
+    """A goal: when it came into which state, and when feedback on it was published, in seconds; its id."""
 
     changes: list[tuple[float, str]] = field(default_factory=list)
     feedback: list[float] = field(default_factory=list)
+    uuid: bytes = b""
 
     @property
     def accepted(self) -> float:
@@ -51,7 +52,7 @@ def goals_of(statuses: Iterable[tuple[float, Any]], feedback: Iterable[tuple[flo
             if key not in found and (state in ENDS or key in over):
                 over.add(key)
                 continue
-            changes = found.setdefault(key, Goal()).changes
+            changes = found.setdefault(key, Goal(uuid=key)).changes
             if not changes or changes[-1][1] != state:
                 changes.append((time, state))
     for time, message in feedback:

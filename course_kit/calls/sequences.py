@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
+from course_kit.arguments import TEXT, takes
 from course_kit.calls.service_calls import Call, calls_of
 from course_kit.figures import COLOURS, FAINT, INK, PANEL, Plot, legend, style
 from course_kit.recordings.recording import Recording
 from course_kit.recordings.topic_recording import TopicRecording
 
 BAR = 0.03  # width of a bar, in distances between two lifelines
+NEXT_LINE = "\n  "  # of a legend
 
 
 @dataclass(frozen=True)
@@ -31,14 +33,15 @@ class Arrow:
 
 @dataclass(frozen=True)
 class Bar:
-    """A time in which a lifeline works or, hollow, waits. Seconds; `slot` puts bars side by side."""
+    """A time in which a lifeline works, waits (hollow) or lets something lie in a queue (hatched). Seconds."""
 
     lifeline: str
     began: float
     ended: float
     colour: str = COLOURS[0]
     is_hollow: bool = False
-    slot: int = 0  # hollow bars go to the left, filled ones to the right
+    slot: int = 0  # side by side; hollow bars go to the left, the others to the right
+    is_hatched: bool = False
 
 
 def plot_sequence(
@@ -81,8 +84,10 @@ def _draw_bar(axes: Axes, bar: Bar, x: float, start: float, scale: float, end: f
     ended = end * 1.06 if math.isnan(bar.ended) else (bar.ended - start) * scale
     side = -1 if bar.is_hollow else 1
     left = x + side * bar.slot * BAR * 1.3 - BAR / 2
-    face = PANEL if bar.is_hollow else bar.colour
+    face = PANEL if bar.is_hollow or bar.is_hatched else bar.colour
     shape = Rectangle((left, began), BAR, ended - began, facecolor=face, edgecolor=bar.colour, linewidth=1.3, zorder=2)
+    if bar.is_hatched:
+        shape.set_hatch("////")
     axes.add_patch(shape)
 
 
@@ -100,11 +105,13 @@ def _draw_arrow(axes: Axes, arrow: Arrow, place: dict[str, float], start: float,
         axes.plot([], [], color=arrow.colour, linewidth=1.7, label=arrow.label)
 
 
+@takes(title=TEXT | None)
 def plot_calls(recorded: Recording | TopicRecording, title: str | None = None) -> Plot:
     """The calls of one service, client on the left and server on the right, from its recorded `_service_event`.
 
-    Hollow bars: the client waits; filled ones: the server works. Raises ValueError for another type, for several
-    topics and for an empty recording.
+    Hollow bars: the client waits; hatched: the request lies in the server's queue; filled: the server works. When a
+    request arrives, nobody reports: one that found the server busy is drawn as if it arrived at once. Raises ValueError
+    for another type, for several topics and for an empty recording.
     """
     if not isinstance(recorded, Recording | TopicRecording):
         raise TypeError(f"plot_calls() draws what record() returns, not {type(recorded).__name__}")
@@ -122,24 +129,32 @@ def plot_calls(recorded: Recording | TopicRecording, title: str | None = None) -
     bars: list[Bar] = []
     for slot, call in enumerate(calls):
         colour = COLOURS[slot % len(COLOURS)]
+        queued = call.queued_among(calls)
         asked = call.began if math.isnan(call.request_sent) else call.request_sent
-        arrows.append(Arrow("client", "server", asked, call.request_received, colour, _describe(call, slot + 1)))
+        arrived = asked if queued else call.request_received
+        arrows.append(Arrow("client", "server", asked, arrived, colour, _describe(call, slot + 1, queued)))
         bars.append(Bar("client", asked, call.response_received, colour, is_hollow=True, slot=slot))
         if not math.isnan(call.request_received):
-            busy = {bar.slot for bar in bars if bar.lifeline == "server" and not bar.ended <= call.request_received}
-            beside = min(set(range(len(busy) + 1)) - busy)
+            there = {bar.slot for bar in bars if bar.lifeline == "server" and not bar.ended <= arrived}
+            beside = min(set(range(len(there) + 1)) - there)
+            if queued:
+                bars.append(Bar("server", arrived, call.request_received, colour, slot=beside, is_hatched=True))
             bars.append(Bar("server", call.request_received, call.response_sent, colour, slot=beside))
         if not math.isnan(call.response_sent):
             arrows.append(Arrow("server", "client", call.response_sent, call.response_received, colour))
     service = topics[0].topic.removesuffix("/_service_event")
-    return plot_sequence(("client", "server"), arrows, bars, title or f"Calls of {service}")
+    plot = plot_sequence(("client", "server"), arrows, bars, title or f"Calls of {service}")
+    start = min(arrow.sent for arrow in arrows)
+    told = [f"After {_ms(one.sent - start)}, {one.label.replace(NEXT_LINE, ', ')}." for one in arrows if one.label]
+    plot.description = " ".join([f"Calls of {service}, from its client to its server.", *told])
+    return plot
 
 
-def _describe(call: Call, number: int) -> str:
+def _describe(call: Call, number: int, queued: bool) -> str:
     if math.isnan(call.duration):
         return f"call {number}: no response"
-    parts = f"{_ms(call.waiting)} until served\n  {_ms(call.working)} served"
-    return f"call {number}: {_ms(call.duration)}\n  {parts}"
+    waited = f"{_ms(call.waiting)} {'in the queue' if queued else 'until served'}"
+    return NEXT_LINE.join((f"call {number}: {_ms(call.duration)}", waited, f"{_ms(call.working)} served"))
 
 
 def _ms(seconds: float) -> str:

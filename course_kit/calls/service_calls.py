@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from course_kit.arguments import shown
+
 NAMES = ("request_sent", "request_received", "response_sent", "response_received")  # by service_msgs' event_type
 PROCESS = 12  # bytes at the start of a gid that are the same for everything of one process
 
@@ -32,7 +34,7 @@ class Call:
 
     @property
     def waiting(self) -> float:
-        """Seconds until the server's callback began: the way, and the queue."""
+        """Seconds until the executor of the server took the request: the way, and the queue."""
         return self.request_received - self.request_sent
 
     @property
@@ -45,6 +47,12 @@ class Call:
         """Seconds from the request to the response, as the client sees it."""
         return self.response_received - self.request_sent
 
+    def queued_among(self, calls: Iterable[Call]) -> bool:
+        """Whether this one's request waited until the server had answered another of the calls."""
+        return any(
+            other is not self and self.request_sent < other.response_sent <= self.request_received for other in calls
+        )
+
 
 def calls_of(events: Iterable[Any]) -> list[Call]:
     """The calls in messages of a service's event type, in the order of their requests.
@@ -53,7 +61,9 @@ def calls_of(events: Iterable[Any]) -> list[Call]:
     process on one service cannot be told apart: ValueError.
     """
     found: dict[tuple[bytes, int], dict[str, float]] = {}
-    for event in events:
+    for event in events if isinstance(events, Iterable) else [events]:
+        if not hasattr(event, "info"):
+            raise TypeError(f"calls_of() takes messages of a topic …/_service_event, not {shown(event)}")
         info = event.info
         key = (bytes(bytearray(info.client_gid))[:PROCESS], info.sequence_number)
         times, name = found.setdefault(key, {}), NAMES[info.event_type]

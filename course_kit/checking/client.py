@@ -20,6 +20,7 @@ from course_kit.checking import surroundings
 from course_kit.examining import answer_host
 from course_kit.examining.channel import Channel, Closed, Message, TooLong
 from course_kit.examining.verdict import GRADED, NOT_LOOKED_AT, Verdict
+from course_kit.long_tasks import LongTask, long_task
 from course_kit.programs.child_process import Process
 
 START_TIMEOUT = 20.0  # seconds until the checker answers at all
@@ -87,8 +88,8 @@ class GradersChecker:
 class _Conversation:
     """A question to a checker, and what it orders meanwhile."""
 
-    def __init__(self, channel: Channel) -> None:
-        self._channel = channel
+    def __init__(self, channel: Channel, task: LongTask) -> None:
+        self._channel, self._task = channel, task
 
     def ask(self, exercise: str, value: Any, names: Mapping[str, Any], seed: int | None) -> Verdict:
         """Have an exercise checked. Raises Refused, or Stuck."""
@@ -111,6 +112,7 @@ class _Conversation:
                 self._obey(message, names)
             elif "begun" in message:
                 deadline = time.monotonic() + float(message["begun"]) + GRACE
+                self._task.begin_again(float(message["begun"]))
                 if "says" in message:  # of what has to be done once, and takes a while
                     print(message["says"], flush=True)
             elif "refused" in message:
@@ -139,11 +141,11 @@ def ask(exercise: str, value: Any, names: Mapping[str, Any], seed: int | None = 
     `names` are the notebook's variables, `seed` is that of a verdict to be repeated.
     Raises Refused for a question that makes no sense.
     """
-    with _lock:
+    with _lock, long_task(f"checking {exercise}", at_most=True) as task:
         reason = ""
         for _ in range(2):
             try:
-                return _Conversation(_running().channel).ask(exercise, value, names, seed)
+                return _Conversation(_running().channel, task).ask(exercise, value, names, seed)
             except Stuck as stuck:
                 reason = str(stuck)
                 _replace()

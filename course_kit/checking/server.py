@@ -133,6 +133,8 @@ class Checker:
             return True
         if exercise.node_class and running.order("has", node_class=exercise.node_class).get("value"):
             return True
+        if exercise.node_class and (why := running.order("missing", node_class=exercise.node_class).get("value")):
+            running.judge(f"there is a class `{exercise.node_class}`", False, why)
         if exercise.file and (running.folder / WORKSPACE / "src" / exercise.file).is_file():
             return True
         if not exercise.node:

@@ -10,7 +10,8 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from course_kit.environment.activation import PATH_VARIABLES, PROFILE_VARIABLES, sourced_ros, split_paths, user_domain
+from course_kit.environment import user_domain
+from course_kit.environment.activation import PATH_VARIABLES, PROFILE_VARIABLES, sourced_ros, split_paths
 
 # Kept if they are there; LC_… too.
 PERSONAL = ("HOME", "USER", "LOGNAME", "LANG", "LANGUAGE", "TZ", "TMPDIR")
@@ -53,7 +54,7 @@ def of_checker(start: Mapping[str, str], domain: int | None) -> tuple[dict[str, 
     kept |= {name: os.pathsep.join(entries) for name, entries in lists.items() if entries}
     if domain is not None:
         kept[DOMAIN] = str(domain)
-    kept.setdefault(DOMAIN, str(user_domain(os.getuid())))
+    kept.setdefault(DOMAIN, user_domain.take(os.getuid()))
     return kept, paths
 
 

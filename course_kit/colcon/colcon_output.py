@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
+from pathlib import Path
 
 # What a package that was built wrote to stderr is shown up to so many lines: warnings, mostly.
 SHOWN_WARNINGS = 10
@@ -64,7 +66,7 @@ class Build:
     status: int | None = None  # its exit status, once it has ended
     seconds: float = 0.0
     _block: str = ""  # the package whose stderr is being listed
-    _unfinished: set[str] = field(default_factory=set)
+    under_way: list[str] = field(default_factory=list)  # the packages that are being built
     _loose: list[str] = field(default_factory=list)  # written past colcon by a package that is not known yet
     _loose_of: dict[str, list[str]] = field(default_factory=dict)
 
@@ -90,18 +92,19 @@ class Build:
             self.messages.setdefault(block[1], [])
             return []
         if started := _STARTED.fullmatch(line):
-            self._unfinished.add(started[1])
+            self.under_way.append(started[1])
             return [line]
         if done := _DONE.match(line):
             return self._end(done, line)
-        if self._unfinished and not _LOG.match(line):
+        if self.under_way and not _LOG.match(line):
             self._loose.append(line)
             return []
         return [] if _NOISE.match(line) else [line]
 
     def _end(self, done: re.Match[str], line: str) -> list[str]:
         word, package, minutes, seconds, how = done.groups()
-        self._unfinished.discard(package)
+        if package in self.under_way:
+            self.under_way.remove(package)
         self._loose_of[package], self._loose = self._loose, []
         messages = self.messages[package] = [*self._loose_of[package], *self.messages.get(package, [])]
         if word == "Finished":
@@ -129,6 +132,13 @@ class Build:
     def _last_words(self) -> list[str]:
         errors = [line for line in self.lines if re.search(r"\berror\b", line, re.IGNORECASE)]
         return (errors or [line for line in self.lines if line.strip()])[-3:]
+
+
+def queued(events: Path) -> int | None:
+    """How many packages a `colcon build` has to build, from its log of events; None where there is none."""
+    with contextlib.suppress(OSError):
+        return events.read_text(encoding="utf-8", errors="replace").count(" JobQueued: ")
+    return None
 
 
 def _warnings(package: str, messages: Sequence[str]) -> list[str]:

@@ -9,16 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 
+from course_kit.arguments import TEXT, shown, takes
 from course_kit.colcon.workspaces import Workspace
-from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot
+from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot, as_ink
 
 # Who looks for an installed file: the place of it, in the prefix of its package, and what finds it there.
 READERS = (
     (r"lib/{package}/[^/]+", "ros2 run"),
     (r"lib/python[\d.]+/site-packages/{package}/.*|local/lib/.*/dist-packages/{package}/.*", "import"),
     (r"share/{package}/launch/.*", "ros2 launch"),
-    (r"share/{package}/(?!hook/|package\.(?!xml)|local_setup\.|cmake/|environment/).*", "ros2 pkg, nodes"),
-    (r"share/ament_index/resource_index/packages/.*", "ros2, to know the package"),
+    (r"share/{package}/package\.xml", "ros2 pkg xml"),
+    (r"share/{package}/(?!hook/|package\.|local_setup\.|cmake/|environment/).*", "nodes, launch files"),
+    (r"share/ament_index/resource_index/packages/.*", "ros2, nodes: to find it"),
 )
 ROW = 0.3  # inches
 LEFT, MIDDLE, RIGHT, WIDTH = 0.0, 3.2, 8.4, 10.4
@@ -61,8 +63,11 @@ def _origin(path: Path, source: Path) -> str:
     return "CMakeLists.txt: install()" if (source / "CMakeLists.txt").is_file() else ""
 
 
+@takes(package=TEXT)
 def plot_install(workspace: Workspace, package: str) -> Plot:
     """The files of a package in `src`, those that colcon made of them in `install`, and what looks for them there."""
+    if not isinstance(workspace, Workspace):
+        raise TypeError(f"plot_install() draws what Workspace() gave, not {shown(workspace)}")
     rows = installed(workspace, package)
     readers = list(dict.fromkeys(row.reader for row in rows))
     plot = Plot(WIDTH, ROW * (len(rows) + 2) + 0.4, f"What colcon build made of {package}")
@@ -82,7 +87,10 @@ def plot_install(workspace: Workspace, package: str) -> Plot:
         _arrow(plot, (LEFT + 0.079 * len(row.source), sources[row.source]), (MIDDLE - 0.1, number), FAINT)
         _arrow(plot, (MIDDLE + 0.079 * len(row.target) + 0.1, number), (RIGHT - 0.1, finders[row.reader]), colour)
     for number, reader in enumerate(readers):
-        axes.text(RIGHT, finders[reader], reader, color=COLOURS[number % len(COLOURS)], fontsize=10, va="center")
+        colour = as_ink(COLOURS[number % len(COLOURS)])
+        axes.text(RIGHT, finders[reader], reader, color=colour, fontsize=10, va="center")
+    told = [f"{row.target}{f' from {row.source}' if row.source else ''}, found by {row.reader}" for row in rows]
+    plot.description = f"What colcon build made of src/{package} in install/{package}: {'; '.join(told)}."
     return plot
 
 

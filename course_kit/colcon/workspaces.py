@@ -9,18 +9,22 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import time
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from course_kit.arguments import PATH, TEXT, takes
 from course_kit.colcon import sourcing, workspace_import
-from course_kit.colcon.colcon_output import Build
+from course_kit.colcon.colcon_output import Build, queued
+from course_kit.long_tasks import LongTask, long_task
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
+from course_kit.whole_files import writing
 
 # What a workspace has at its top, and reset() removes.
 MADE_BY_COLCON = ("build", "install", "log")
 PARTS = ("src", *MADE_BY_COLCON)
+LEAST_ROOM = 256 * 1024  # bytes; the smallest package takes as many
 
 
 class BuildError(RuntimeError):
@@ -37,12 +41,14 @@ class BuildError(RuntimeError):
 class Workspace:
     """A folder with `src`, and what colcon makes beside it: `build`, `install`, `log`."""
 
+    @takes(folder=PATH)
     def __init__(self, folder: Path | str = "ros2_ws") -> None:
         """`folder` lies beside the notebook, unless it is a whole path. It is made, with `src` in it, if need be."""
         self.folder = Path(folder).absolute()
         self.src = self.folder / "src"
         self.install = self.folder / "install"
-        self.src.mkdir(parents=True, exist_ok=True)
+        with writing(self.src):
+            self.src.mkdir(parents=True, exist_ok=True)
 
     def __repr__(self) -> str:
         return f"{self.folder}: {', '.join(self.packages) or 'no packages yet'}"
@@ -52,12 +58,17 @@ class Workspace:
         """The folders with a package.xml below `src`."""
         return sorted(path.parent.name for path in self.src.rglob("package.xml"))
 
+    @takes(packages=TEXT)
     def reset(self, *packages: str) -> None:
         """Make it a fresh one, with an empty `src`; or only these packages of it, as if they had never been there.
 
         What was in `src` is kept once, in the folder's name + `_before`. Raises ValueError if there is anything else in
-        the folder (then it may not be a workspace), or if a package's name is none.
+        the folder (then it may not be a workspace), or if a package's name is none; NotWritten on a full disk and such.
         """
+        with writing(self.folder):
+            self._reset(packages)
+
+    def _reset(self, packages: Sequence[str]) -> None:
         kept = self.folder.with_name(f"{self.folder.name}_before")
         if packages:
             for name in packages:
@@ -85,33 +96,45 @@ class Workspace:
             shutil.rmtree(kept / name, ignore_errors=True)
             (self.src / name).rename(kept / name)
 
+    @takes(arguments=TEXT)
     def build(self, *arguments: str, check: bool = True) -> Build:
         """Run `colcon build` with these arguments in the workspace; what it says is printed as it comes.
 
         Of a package that fails, only the lines that matter are shown: BuildError has them, unless `check` is False.
-        An interrupt ends the build.
+        An interrupt ends the build. Raises NotWritten where the disk is full or the folder read-only.
         """
+        self._refuse_without_room()
         build = Build()
-
-        def show(line: str) -> None:
-            for shown in build.feed(line):
-                print(shown, flush=True)
-
-        begun = time.monotonic()
-        process = processes.run_through(("colcon", "build", *arguments), self.unsourced, self.folder, show)
-        build.status = process.wait(processes.KILL_TIMEOUT)
-        build.seconds = time.monotonic() - begun
+        with long_task("colcon build", unit="packages") as task:
+            self._run(build, arguments, task)
+            build.seconds = task.seconds
         for package in build.failed:
             log = self.folder / "log/latest_build" / package / "stdout_stderr.log"
             if log.is_file() and (said := log.read_text(errors="replace").splitlines()):
                 build.read_log(package, said)
         if not build.ok:
+            self._refuse_without_room()  # colcon and compilers say it in a hundred lines
             if check:
                 raise BuildError(build)
             print(build.explanation())
         elif not build.finished:
             print(f"Nothing was built. Packages in {self.src}: {', '.join(self.packages) or 'none'}.")
         return build
+
+    def _run(self, build: Build, arguments: Sequence[str], task: LongTask) -> None:
+        def show(line: str) -> None:
+            for shown in build.feed(line):
+                print(shown, flush=True)
+            if task.total is None and build.under_way:
+                task.total = queued(self.folder / "log/latest_build/events.log")
+            task.done, task.doing = len(build.finished) + len(build.failed), ", ".join(build.under_way)
+
+        process = processes.run_through(("colcon", "build", *arguments), self.unsourced, self.folder, show)
+        build.status = process.wait(processes.KILL_TIMEOUT)
+
+    def _refuse_without_room(self) -> None:
+        with writing(self.folder), tempfile.TemporaryFile(dir=self.folder) as file:
+            file.write(bytes(LEAST_ROOM))
 
     @property
     def environment(self) -> dict[str, str]:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import os
 import sys
 
+from course_kit.environment import user_domain
+
 TYPE_CHECKING = False  # type checkers take it for True
 if TYPE_CHECKING:
     from collections.abc import Mapping, MutableMapping
@@ -18,7 +20,9 @@ PROFILE = os.path.join(os.path.dirname(__file__), "fastdds_profile.xml")
 PATH_VARIABLES = ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH", "LD_LIBRARY_PATH", "PATH", "PYTHONPATH")
 # Corrects what the CMake files of the wheels say about the machine that built them.
 TOOLCHAIN = "share/course_kit/cmake/toolchain.cmake"
+RANGES = ("LOCALHOST", "SUBNET", "OFF", "SYSTEM_DEFAULT")
 PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+DOMAIN_OF_USER = "COURSE_KIT_DOMAIN"  # the ROS_DOMAIN_ID that the user did not set
 # Set by the ROS wheels when they restarted Python with their libraries on LD_LIBRARY_PATH.
 RESTARTED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 
@@ -58,11 +62,6 @@ def _has_command(name: str, environ: Mapping[str, str]) -> bool:
     return any(os.access(os.path.join(entry, name), os.X_OK) for entry in split_paths(environ.get("PATH", "")))
 
 
-def user_domain(uid: int) -> int:
-    """A domain for each user of a machine: 1 to 100, never everybody's default of 0."""
-    return 1 + uid % 100
-
-
 def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.environ) -> None:
     """Complete the environment of this process for ROS 2."""
     if has_package(prefix, "rclpy"):
@@ -85,12 +84,17 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
         _allow_spaces(prefix, environ)
     # The older variable counts where it is set; the profile reads the newer one.
     is_open = (environ.get("ROS_LOCALHOST_ONLY") or "1") != "1"
-    environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET" if is_open else "LOCALHOST")
-    environ.setdefault("ROS_DOMAIN_ID", str(user_domain(os.getuid())))
+    reach = environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or ("SUBNET" if is_open else "LOCALHOST")
+    environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = reach
+    # One that was given out before, to a parent of this process, is held by this one too.
+    domain = environ.get("ROS_DOMAIN_ID")
+    if domain == environ.get(DOMAIN_OF_USER):
+        environ["ROS_DOMAIN_ID"] = environ[DOMAIN_OF_USER] = user_domain.take(os.getuid(), domain)
     # Without the check, which ROS 2 leaves out by default, an int in a float field arrives as garbage.
     environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
     own_profile = os.path.exists("DEFAULT_FASTRTPS_PROFILES.xml")
-    if not own_profile and not any(environ.get(name) for name in PROFILE_VARIABLES):
+    # A range that there is not is left to ROS, which warns of it: the profile has a transport for each that there is.
+    if reach in RANGES and not own_profile and not any(environ.get(name) for name in PROFILE_VARIABLES):
         environ[PROFILE_VARIABLES[0]] = PROFILE
 
 

@@ -13,7 +13,8 @@ from course_kit.environment.python import RENEW
 from course_kit.environment.report import Check, fail, passed
 
 # Name on PyPI -> where its JavaScript is, below share/jupyter/labextensions.
-WIDGETS = {"ipywidgets": "@jupyter-widgets/jupyterlab-manager", "ipycanvas": "ipycanvas"}
+WIDGETS = {"ipywidgets": "@jupyter-widgets/jupyterlab-manager", "anywidget": "anywidget"}
+START = "0_start.ipynb"  # the page that the course is opened with, in notebooks/; no chapter, as its number says
 BROWSERS = ("xdg-open", "x-www-browser", "firefox", "google-chrome", "chromium", "chromium-browser")
 
 

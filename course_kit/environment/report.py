@@ -13,6 +13,10 @@ APT = "sudo apt-get install -y "
 ANSI = {PASS: "32", WARN: "33", FAIL: "31"}  # green, yellow, red
 # White on these is readable on a light and on a dark page.
 BADGE = {PASS: "#2e7d32", WARN: "#a15c00", FAIL: "#c62828"}
+LEFT = 'style="text-align:left;vertical-align:top"'
+# Beside one another on a wide page, below one another on a narrow one.
+NAME = 'style="flex:0 0 13em"'
+FOUND = 'style="flex:1 1 15em;overflow-wrap:anywhere"'
 
 
 @dataclass(frozen=True)
@@ -83,14 +87,14 @@ def as_json(checks: Sequence[Check]) -> str:
 
 def as_html(checks: Sequence[Check]) -> str:
     """The table for a notebook. Text keeps the page's own colour, so that light and dark themes both work."""
-    left = 'style="text-align:left;vertical-align:top"'
     rows = "".join(
-        f"<tr><td {left}>{_badge(check.status)}</td><td {left}>{html.escape(check.name)}</td>"
-        f"<td {left}>{_html_details(check)}</td></tr>"
+        f"<tr><td {LEFT}>{_badge(check.status)}</td><td {LEFT}><div style='display:flex;flex-wrap:wrap'>"
+        f"<span {NAME}>{html.escape(check.name)}</span> <span {FOUND}>{_html_details(check)}</span></div></td></tr>"
         for check in checks
     )
-    head = f"<tr><th {left}></th><th {left}>check</th><th {left}>found</th></tr>"
-    return f"<table><thead>{head}</thead><tbody>{rows}</tbody></table><p>{summary(checks)}</p>"
+    head = f"<tr><th {LEFT}>result</th><th {LEFT}>check, and what was found</th></tr>"
+    table = f'<table style="table-layout:auto"><thead>{head}</thead><tbody>{rows}</tbody></table>'
+    return f"{table}<p>{summary(checks)}</p>"
 
 
 def _badge(status: str) -> str:

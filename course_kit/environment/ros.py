@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.environment.activation import DISTRO, RosInstallation, sourced_ros, split_paths, user_domain
+from course_kit.environment import user_domain
+from course_kit.environment.activation import DISTRO, RosInstallation, sourced_ros, split_paths
 from course_kit.environment.interpreter import Interpreter, ask
 from course_kit.environment.python import NOT_SET_UP, RENEW
 from course_kit.environment.report import Check, fail, passed, warn
@@ -93,8 +94,8 @@ def domain(environ: Mapping[str, str], uid: int) -> Check:
     """ROS_DOMAIN_ID: a number from 0 to 232, best up to 101."""
     value = environ.get("ROS_DOMAIN_ID", "")
     if not value:
-        return passed(f"not set: the course uses {user_domain(uid)}, a domain of your own")
-    cure = f"export ROS_DOMAIN_ID={user_domain(uid)}"
+        return passed(f"not set: the course uses {user_domain.take(uid)}, a domain of your own")
+    cure = f"export ROS_DOMAIN_ID={user_domain.take(uid)}"
     if not value.isascii() or not value.isdigit() or int(value) > LARGEST_DOMAIN:
         return fail(value, f"ROS 2 has the domains 0 to {LARGEST_DOMAIN} and no others", cure)
     if int(value) > LARGEST_SAFE_DOMAIN:
@@ -105,9 +106,14 @@ def domain(environ: Mapping[str, str], uid: int) -> Check:
 
 def discovery(environ: Mapping[str, str]) -> Check:
     """Which machines the nodes look for others on."""
-    if environ.get("ROS_LOCALHOST_ONLY") == "1":
-        return passed("this machine only (ROS_LOCALHOST_ONLY=1)")
+    only_here = environ.get("ROS_LOCALHOST_ONLY", "")
     value = environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")
+    if environ.get("ROS_STATIC_PEERS") and (only_here == "1" or (value in ("", "LOCALHOST") and only_here != "0")):
+        reason = "nodes listen on this machine only, so the peers are neither heard nor reached"
+        cure = "unset ROS_STATIC_PEERS, or export ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
+        return warn(f"LOCALHOST, but ROS_STATIC_PEERS={environ['ROS_STATIC_PEERS']}", reason, cure)
+    if only_here == "1":
+        return passed("this machine only (ROS_LOCALHOST_ONLY=1)")
     if not value and "ROS_LOCALHOST_ONLY" not in environ:
         return passed("not set: the course stays on this machine (LOCALHOST)")
     cure = "export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST"

@@ -21,9 +21,13 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.utilities import get_default_context
 
+from course_kit.causes import with_cause
+from course_kit.causes.frames import is_plumbing
+from course_kit.examining import answer_cell
 from course_kit.examining.channel import as_json
 from course_kit.internals import going_on_without
-from course_kit.internals.rclpy_parts import blocks, choose_default_context, pending_requests
+from course_kit.internals.rclpy_action_parts import blocks
+from course_kit.internals.rclpy_parts import choose_default_context, pending_requests
 from course_kit.spinning import NodeStopped
 from course_kit.spinning import context as ros_context
 from course_kit.spinning.executors import SpinThread, interrupt, spinning_now
@@ -33,7 +37,6 @@ STOP_TIMEOUT = 0.5
 INTERRUPT_TIMEOUT = 0.5
 NOT_IN_TIME = {"error": "it did not return in time"}
 KEPT_ERRORS = 20
-PACKAGE = Path(__file__).parents[1]
 THREADS = 4  # of a MultiThreadedExecutor, where an exercise asks for one
 
 
@@ -98,7 +101,7 @@ class AnswerHost:
         plain(node, name, **options)
 
     def _note(self, name: str, error: Exception) -> None:
-        text = f"A callback of {name} raised {described(error)}."
+        text = f"A callback of {name} raised {described(error)}"
         if text not in self.errors[-1:] and len(self.errors) < KEPT_ERRORS:
             self.errors.append(text)
 
@@ -188,6 +191,8 @@ def _answer(order: Mapping[str, Any], names: Mapping[str, Any]) -> dict[str, Any
 def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
     if order["do"] == "has":
         return isinstance(names.get(order["node_class"]), type)
+    if order["do"] == "missing":  # why there is no class of that name
+        return answer_cell.why_missing(order["node_class"])
     host = _on(order["domain"])
     match order["do"]:
         case "start":
@@ -226,10 +231,10 @@ def _has_threads(name: str, names: Mapping[str, Any]) -> bool | None:
 
 def described(error: BaseException) -> str:
     """What was raised, and the lines of the student's that led there."""
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_plumbing(Path(f.filename))]
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_library(Path(f.filename))]
     where = "".join(f", in line {f.lineno} of {f.name}: `{f.line}`" for f in frames[-1:])
-    return f"{type(error).__name__}: {error}{where}"
+    return with_cause(f"{type(error).__name__}: {error}{where}", error)
 
 
-def _is_plumbing(path: Path) -> bool:
-    return PACKAGE in path.parents or "rclpy" in path.parts or "site-packages" in path.parts
+def _is_library(path: Path) -> bool:
+    return is_plumbing(path) or "site-packages" in path.parts

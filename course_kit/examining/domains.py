@@ -8,8 +8,8 @@ from __future__ import annotations
 import contextlib
 import socket
 
-# Above the domains of users (1 to 100), with ports that Linux does not give to other programs.
-STAGES = range(215, 233)
+# Above the domains of users (1 to 101); first those whose ports Linux does not give to other programs.
+STAGES = (*range(215, 233), *range(102, 215))
 
 _locks: list[socket.socket] = []  # kept open as long as the process lives
 

@@ -109,8 +109,9 @@ class Commands:
     def first_effect(self, since: int) -> float:
         """From when on (nanoseconds) a turtle moves because of commands that came after `since`."""
         place = bisect_right(self.times, since)
-        earlier, later = self.times[:place], self.times[place:]
-        over = max(since, earlier[-1] + COMMAND_LIFETIME + ARRIVAL) if earlier else since
+        newcomers = [when for when, _ in self._newcomers if when <= since]  # what they said may not have been heard
+        earlier, later = [*self.times[:place][-1:], *newcomers[-1:]], self.times[place:]
+        over = max(since, max(earlier) + COMMAND_LIFETIME + ARRIVAL) if earlier else since
         return min(over, later[0]) if later else over
 
 

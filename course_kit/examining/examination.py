@@ -29,7 +29,7 @@ def beside_the_notebook(folder: Path) -> Path:
     return Path(*folder.parts[:inside])
 
 
-LONGEST_HINT = 5_000  # characters: a student's value may be in it
+LONGEST_HINT = 3_000  # characters: a student's value may be in it
 
 
 class Ended(Exception):  # noqa: N818  (reads as what happened)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import fcntl
 import functools
 import hashlib
 import importlib
@@ -25,7 +24,9 @@ from pathlib import Path
 
 from course_kit.colcon import overlay, regular_files
 from course_kit.examining.definitions import arranged
+from course_kit.file_locks import LockTimeout, locked
 from course_kit.interfaces import rosidl
+from course_kit.whole_files import NotWritten
 
 HERE = Path(__file__).parents[1]
 # Where the definitions are, and which of them checks need.
@@ -34,6 +35,7 @@ DEFINITIONS = {
     "robot_interfaces": (HERE / "exercises/robot_interfaces", ("msg/Battery.msg", "srv/Recharge.srv")),
 }
 COMPILE_TIMEOUT = 120.0
+LOCK_TIMEOUT = COMPILE_TIMEOUT - 10.0  # seconds: who has the lock compiles; it is said before the checker is given up
 RELOAD = "{package} has its fields in another order now. Restart the kernel, as for your own"
 FOLDER = "share/course_kit/checker_types"
 
@@ -74,11 +76,11 @@ def provide(package: str, texts: Texts | None = None) -> None:
     folder = folder_of(package, texts)
     if not folder.is_dir():
         try:
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            with open(folder.with_suffix(".lock"), "w") as lock:
-                fcntl.flock(lock, fcntl.LOCK_EX)  # two notebooks may need it at the same time
+            with locked(folder.with_suffix(".lock"), LOCK_TIMEOUT):  # two notebooks may need it at the same time
                 if not folder.is_dir():
                     _compile(package, texts, folder)
+        except (LockTimeout, NotWritten) as error:
+            raise Uncompiled(f"the types of {package} cannot be compiled: {error}") from None
         except OSError as error:
             raise Uncompiled(f"the types of {package} cannot be kept in {folder.parent}: {error.strerror}") from None
     loaded = getattr(sys.modules.get(package), "__file__", None)

@@ -6,6 +6,8 @@ import html
 from dataclasses import dataclass
 from typing import Any
 
+from course_kit import inks
+
 NOT_BEGUN = "not begun"
 LOOKED_AT = "looked at"
 NOT_LOOKED_AT = "could not look"  # the checker itself failed: nothing is said about the answer
@@ -55,6 +57,7 @@ class Verdict:
     findings: tuple[Finding, ...] = ()
     note: str = ""  # what to do, if nothing was looked at
     seed: int | None = None  # of what the check drew; with it the same is drawn again
+    further: str = ""  # what the notebook adds: where to read on
 
     @property
     def points(self) -> int:
@@ -77,21 +80,22 @@ class Verdict:
         return "" if self.seed is None else f'check("{self.exercise}", seed={self.seed}) repeats what was drawn for it'
 
     def __repr__(self) -> str:
-        note = [f"    {line}" for line in (self.note, self._drawn) if line]
+        note = [f"    {line}" for line in (self.note, self._drawn, self.further) if line]
         return "\n".join([self.heading, *map(str, self.findings), *note])
 
     def _repr_html_(self) -> str:
         """The same with colours that can be read on light and on dark ground."""
         lines = [f"<b>{html.escape(self.heading)}</b>"]
         for finding in self.findings:
-            colour = "#2e8b57" if finding.ok else "#dc322f"
-            sign = f"<span style='color:{colour}'>{finding.mark}</span>"
+            sign = f"<span style='color:{inks.GOOD if finding.ok else inks.BAD}'>{finding.mark}</span>"
             hint = "" if finding.ok else f"<div style='margin-left:2em'>{in_code(finding.hint)}</div>"
             lines.append(f"<div>{sign} {in_code(finding.claim)}</div>{hint}")
         if self.note:
             lines.append(f"<div style='margin-left:2em'>{in_code(self.note)}</div>")
         if self._drawn:
-            lines.append(f"<div style='margin-left:2em;opacity:0.6'>{html.escape(self._drawn)}</div>")
+            lines.append(f"<div style='margin-left:2em;opacity:0.8'>{html.escape(self._drawn)}</div>")
+        if self.further:
+            lines.append(f"<div style='margin-left:2em'>{in_code(self.further)}</div>")
         return f"<div class='course-kit-check'>{''.join(lines)}</div>"
 
     @staticmethod

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any
 
+from course_kit.arguments import shown
 from course_kit.examining.examination import POLL, current
 from course_kit.examining.station import MOST_PROCESSES, hidden_name
 from course_kit.interface_types import type_name
@@ -197,7 +198,7 @@ def parts(value: Any, count: int) -> list[Any]:
 
 def expect_value(text: str, given: Any, wanted: Any, hint: str, points: int = 1) -> bool:
     """A value that was handed to check() is the right one; what was given is quoted in front of the hint."""
-    return expect(text, given == wanted, f"You gave {given!r}. {hint}", points)
+    return expect(text, given == wanted, f"You gave {shown(given)}. {hint}", points)
 
 
 def expect_type(name: str, types: list[str], interface: Any, hint: str = "") -> None:

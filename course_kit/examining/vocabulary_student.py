@@ -26,6 +26,12 @@ def expect_running_node(name: str, node_class: str, points: int = 0) -> None:
     running = f"Running: {', '.join(names)}. " if names else "No node runs. "
     hint = f"{nearest(name, names)}{running}Start it with `run({node_class}…)`; `%ros2 node list` shows it."
     expect(f"the node `{name}` runs", name in names, hint, points, needed=True)
+    if not wait(lambda: station.their_nodes().count(name) == 1, GRAPH_ARRIVAL):
+        hint = (
+            f"Several nodes of this domain are called {name}, and others take them for one: call stop() in the other "
+            f"notebooks, or end the other program, then run this one again."
+        )
+        require(f"there is one `{name}`", False, hint)
 
 
 def expect_simulator(name: str) -> None:

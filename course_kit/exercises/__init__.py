@@ -10,6 +10,7 @@ import difflib
 import importlib
 import pkgutil
 
+from course_kit.arguments import shown
 from course_kit.examining.exercise import DECLARED, Exercise
 
 # In the order of the course: {what names begin with, of the chapter's exercises and of their modules: its title}.
@@ -45,4 +46,4 @@ def find(name: str) -> Exercise:
         return DECLARED[name]
     near = difflib.get_close_matches(name, names, n=1)
     hint = f"Did you mean {near[0]!r}?" if near else f"There are {', '.join(names)}."
-    raise ValueError(f"there is no exercise {name!r}. {hint}")
+    raise ValueError(f"there is no exercise {shown(name)}. {hint}")

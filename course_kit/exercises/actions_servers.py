@@ -22,6 +22,7 @@ IN_FLIGHT = 0.2  # seconds: feedback and result take different ways
 DEADLINE = 1.0
 LATE = 0.5  # seconds that an abort may be late, where the text says 0.3
 BUSY = 0.8  # seconds for which the node has something else to do: less than the deadline, more than `LATE`
+BY_THE_WAY = 2  # feedbacks between one piece of that and the next
 NUMBERS = [0, 1]
 while len(NUMBERS) < 47:
     NUMBERS.append(NUMBERS[-1] + NUMBERS[-2])
@@ -172,6 +173,7 @@ class Long:
     goal: Goal
     distracted: float = 0.0  # seconds for which the node had something else to do
     free_again: float = 0.0  # when that was over
+    counted_on: int = 0  # feedback meanwhile
 
     @property
     def seconds(self) -> float:
@@ -195,22 +197,28 @@ class Long:
 
 
 def _best_of_three(client: Client, work: BusyWork | None = None) -> Long:
-    """A long goal, perhaps beside other work; the next one only if this was late, as on a busy machine it may be."""
+    """A long goal, perhaps beside other work; the next one only if this was late, as on a busy machine it may be.
+
+    Or if the work did not keep the node from counting: then a count of numbers is as good as a clock.
+    """
+    tries: list[Long] = []
     for _ in range(3):
-        long = _run_out(client, work)
-        if long.goal.word != "aborted" or long.late < LATE:
-            break
-    return long
+        tries.append(long := _run_out(client, work))
+        if long.goal.word != "aborted" or (long.late < LATE and long.counted_on <= BY_THE_WAY):
+            return long
+    kept_busy = [long for long in tries if long.counted_on <= BY_THE_WAY]
+    return min(kept_busy or tries, key=lambda long: long.late)
 
 
 def _run_out(client: Client, work: BusyWork | None) -> Long:
     order = chance().randint(30, 60)
     long = Long(order, client.send(order=order))
     if work is not None and wait(lambda: long.goal.feedback, 1.0, "feedback"):
-        began = time.monotonic()
+        began, counted = time.monotonic(), len(long.goal.feedback)
         work.take(BUSY)
         long.free_again = time.monotonic()
         long.distracted = long.free_again - began
+        long.counted_on = len(long.goal.feedback) - counted
     long.goal.wait(3.0)
     return long
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from course_kit.arguments import shown
 from course_kit.examining.exercise import exercise
 from course_kit.examining.vocabulary import expect, parts
 from course_kit.faults import all_faults
@@ -23,7 +24,7 @@ def who_keeps(value: Any) -> None:
         ("the topic that is kept for those who come later", kept, KEPT, "Durability TRANSIENT_LOCAL"),
         ("the topic that may lose messages", lossy, LOSSY, "Reliability BEST_EFFORT"),
     ):
-        hint = f"You gave {given!r}. Its publisher has {policy}: `%ros2 topic info -v` of each topic shows it."
+        hint = f"You gave {shown(given)}. Its publisher has {policy}: `%ros2 topic info -v` of each topic shows it."
         expect(text, _absolute(given) in right, hint)
 
 
@@ -43,7 +44,7 @@ def three_patients(value: Any) -> None:
         expect(
             f"the cause of seed {seed}",
             cause == fault.id,
-            f"You gave {cause!r}. "
+            f"You gave {shown(cause)}. "
             + (all_faults.find(cause).evidence if known else "It is an id, as `faults.catalogue()` lists them."),
         )
     expect_well(points=2)

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from course_kit import bags
+from course_kit.arguments import shown
 from course_kit.examining import paths
 from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
@@ -35,7 +36,9 @@ Stamped = tuple[int, Any]  # nanoseconds, message
 @exercise("debugging-4", "A bag of a circle", points=2, level="medium", timeout=20, value=True)
 def circle(value: Any) -> None:
     """A bag with the two topics and nothing else, in which the turtle goes round."""
-    require("the answer is the path of a bag", isinstance(value, str), f'You gave {value!r}: a text, such as "circle".')
+    require(
+        "the answer is the path of a bag", isinstance(value, str), f'You gave {shown(value)}: a text, such as "circle".'
+    )
     heard: dict[str, list[Stamped]] = {topic: [] for topic in TYPES}
     bag, hint = None, ""
     try:

@@ -11,6 +11,7 @@ from geometry_msgs.msg import Twist
 from rcl_interfaces.msg import Log
 from turtlesim.msg import Pose
 
+from course_kit.arguments import shown
 from course_kit.examining import drives, paths
 from course_kit.examining.drives import Step
 from course_kit.examining.examination import current
@@ -53,8 +54,8 @@ def read_the_report(value: Any) -> None:
     expect(
         "the domain",
         domain == current().student.domain and not isinstance(domain, bool),
-        f"You gave {domain!r}. It is a number, without quotes: `os.environ['ROS_DOMAIN_ID']`, or the row *domain* of "
-        "the report, has it. What a cell writes there later moves no node.",
+        f"You gave {shown(domain)}. It is a number, without quotes: `os.environ['ROS_DOMAIN_ID']`, or the row "
+        "`ROS_DOMAIN_ID` of the report, has it. What a cell writes there later moves no node.",
         points=0,
     )
     expect_value(
@@ -91,14 +92,22 @@ def greeter() -> None:
     line = nearest or (lines[-1] if lines else None)
     heard = f"It logged {line.msg!r}." if line else "It logged nothing that the checker heard."
     hint = f"{heard} Log with `self.get_logger().info(…)` in __init__ (print() goes to nobody else), then run it again."
-    if nearest or any(line.level == INFO for line in lines):
-        hint = (
-            f"{heard} The line is exactly `{GREETING}` and then a name: yours, not a placeholder for it, without "
-            f"< and >; it comes within two seconds."
-        )
+    if line and (nearest or any(one.level == INFO for one in lines)):
+        hint = f"{heard} The line is exactly `{GREETING}` and then a name: {_what_is_wrong(line.msg)}"
     if greetings:
         hint = "The text is right, the level is not INFO: INFO is `self.get_logger().info(…)`."
     expect(f"it logged `{GREETING}…` with the level INFO", any(line.level == INFO for line in greetings), hint)
+
+
+def _what_is_wrong(text: str) -> str:
+    """What keeps a line from being a greeting, as far as that is seen."""
+    if re.search(r"\byou\s+[^\W_]", text):
+        return "the comma behind `you` is missing."
+    if found := re.search(r"\{.*?\}|%s", text):
+        return f"yours, not a placeholder for it. Put an f before the quotes, so that Python fills in `{found[0]}`."
+    if found := re.search(r"<[^<>]*>|your name", text, re.IGNORECASE):
+        return f"yours, not a placeholder for it. Write your own name where `{found[0]}` stands, without < and >."
+    return "yours, not a placeholder for it; it comes within two seconds."
 
 
 def _greets(text: str) -> bool:
@@ -185,11 +194,9 @@ def _expect_driven_all_the_way(steps: Sequence[Step], corners: Sequence[paths.Po
 def two_robots(value: Any) -> None:
     """The topics of a second simulator, which runs, and whose turtle was driven without the first one's moving."""
     wanted = [f"/robot2/turtle1/{name}" for name in ("cmd_vel", "color_sensor", "pose")]
-    # Whoever asks rclpy gets the topics of the action, too, which tools hide.
-    hidden = [f"/robot2/turtle1/rotate_absolute/_action/{name}" for name in ("feedback", "status")]
     given = value
-    if isinstance(value, list):
-        given = sorted({str(topic).removesuffix("/") for topic in value} - set(hidden))
+    if isinstance(value, list):  # whoever asks rclpy gets hidden topics too, as those of actions
+        given = sorted({name for topic in value if "/_" not in (name := str(topic).removesuffix("/"))})
     others = [topic for topic in wanted if topic != SECOND_POSE]
     if given == others and was_listed_before(SECOND, SECOND_POSE):
         given = wanted  # a subscription was there before it: what is new by a list lacks the topic
@@ -204,12 +211,13 @@ def two_robots(value: Any) -> None:
     expect_running_node(SECOND, "TurtleSim", points=1)
     expect_simulator(SECOND)
     second, first = heard_since_start(SECOND, SECOND_POSE), heard_since_start(FIRST, FIRST_POSE)
-    came = second[0][0] if second else 0
-    began = commands_heard(FIRST_COMMANDS).first_effect(came)
-    driven = drives.driven(drives.steps_of(second))
-    moved = drives.moved_since(drives.steps_of(first), began)
+    steps, started = drives.steps_of(second), second[0][0] if second else 0
+    # What the first one drove before, as in setup-3, does not count, whichever simulator was started first.
+    moves = next((step.when for step in steps if step.length), started)
+    driven = drives.driven(steps)
+    moved = drives.moved_since(drives.steps_of(first), commands_heard(FIRST_COMMANDS).first_effect(moves))
     hint = (
-        f"The second drove {driven:.1f} m since it was started, and the first moved {moved:.1f} m since then. "
+        f"The second drove {driven:.1f} m since it was started, and from then on the first moved {moved:.1f} m. "
         f"`%ros2 topic info /robot2/turtle1/cmd_vel` shows who drives whom. {SINCE}; if the first has moved, run the "
         f"second one again and drive it."
     )

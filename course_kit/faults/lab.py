@@ -9,11 +9,13 @@ import threading
 from dataclasses import dataclass, field
 from functools import partial
 
+from course_kit.arguments import TEXT, WAIT, takes
 from course_kit.examining.station import Station
 from course_kit.faults import all_faults, health, robots_manual
 from course_kit.faults.fault import PROGRAMS, Fault
 from course_kit.faults.system import System
 from course_kit.faults.told import Told
+from course_kit.long_tasks import long_task
 from course_kit.node_logs import rosout
 from course_kit.polling import wait_until
 from course_kit.programs.child_process import Process
@@ -58,7 +60,8 @@ def start(name: str | None = None, *, seed: int | None = None) -> Told:
             print(f"The node that was killed is still listed: this takes {_lab.system.ghost_seconds:.0f} seconds more.")
         try:
             rosout.collect()  # so that logs() has what the programs say at their start
-            _lab.system.start(fault)
+            with long_task("starting the robot"):
+                _lab.system.start(fault)
         except (OSError, RuntimeError) as error:
             stop()
             return _refused(f"the robot could not be started: {error}")
@@ -86,6 +89,7 @@ def hint() -> Told:
     return Told(f"Hint {number + 1} of {len(hints)}: {hints[number]}")
 
 
+@takes(cause=TEXT)
 def answer(cause: str) -> Told:
     """State the cause, by its id; says whether it is right, and if not, what one would see if it were."""
     if _lab.fault is None:
@@ -100,6 +104,7 @@ def answer(cause: str) -> Told:
     return Told(f"Right. {stated.cause} Now repair it, then ask faults.is_repaired().")
 
 
+@takes(timeout=WAIT)
 def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
     """Look at the robot from outside until it has been well for two seconds, or `timeout` seconds are over."""
     if not _lab.system.is_running:
@@ -108,7 +113,8 @@ def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
     # In a ROS context for the length of a look, so that its subscriptions are in nobody's way afterwards.
     with contextlib.closing(Station(None, only_here=False)) as station:
         station.known(health.WINDOW)
-        findings = health.examine(station, timeout, partial(wait_until, poll=POLL))
+        with long_task("looking at the robot", timeout, at_most=True):
+            findings = health.examine(station, timeout, partial(wait_until, poll=POLL))
     is_well = all(finding.ok for finding in findings)
     heading = "Repaired." if _lab.fault is not None else "The robot is well."
     lines = [heading if is_well else "Not yet: the robot is not well.", *map(str, findings)]
@@ -144,6 +150,7 @@ def manual() -> Told:
     return Told(robots_manual.text())
 
 
+@takes(program=TEXT)
 def process(program: str) -> Process:
     """The process that runs a program of the robot, or ran it last: its state, its pid, its lines.
 
@@ -156,6 +163,7 @@ def process(program: str) -> Process:
     return process
 
 
+@takes(program=TEXT, command=TEXT)
 def terminal(program: str, command: str) -> Told:
     """Type a command into the terminal in which a program was started, and see what it prints.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import functools
 import os
+import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -14,6 +15,7 @@ from course_kit.colcon import sourcing
 from course_kit.environment.activation import PROFILE, PROFILE_VARIABLES, split_paths
 from course_kit.examining.domains import reserve_stage
 from course_kit.spinning.context import RANGE
+from course_kit.whole_files import write_whole
 
 ROBOT = Path(__file__).with_name("robot")  # where the package `patrol` is installed, as colcon's install folder
 STOCK_LEASE = 20  # seconds that DDS keeps a participant which says nothing any more, unless it is told otherwise
@@ -46,12 +48,15 @@ def _conda_first(environ: Mapping[str, str]) -> Environment:
     """A terminal in which a Python environment without ROS 2 stands first on PATH, as conda's `base` does."""
     folder = _folder() / "miniconda3"
     if not folder.exists():
-        (folder / "bin").mkdir(parents=True)
-        (folder / "conda-meta").mkdir()
+        new = _folder() / "new"
+        shutil.rmtree(new, ignore_errors=True)
+        (new / "bin").mkdir(parents=True)
+        (new / "conda-meta").mkdir()
         base = Path(sys.base_prefix, "bin", f"python{sys.version_info.major}.{sys.version_info.minor}")
-        (folder / "pyvenv.cfg").write_text(f"home = {base.parent}\ninclude-system-site-packages = false\n")
+        (new / "pyvenv.cfg").write_text(f"home = {base.parent}\ninclude-system-site-packages = false\n")
         for name in ("python", "python3"):
-            (folder / "bin" / name).symlink_to(base)
+            (new / "bin" / name).symlink_to(base)
+        new.rename(folder)
     # A sourced ROS 2 lends its modules to every Python by PYTHONPATH; conda's, of another version, cannot load them.
     without = _without(environ, "PYTHONPATH")
     path = os.pathsep.join([str(folder / "bin"), environ.get("PATH", "")])
@@ -66,7 +71,7 @@ def _long_lease(environ: Mapping[str, str]) -> Environment:
         text = Path(PROFILE).read_text()
         if lease.format(5) not in text:
             raise RuntimeError(f"{PROFILE} has another lease than the fault lab expects")
-        profile.write_text(text.replace(lease.format(5), lease.format(STOCK_LEASE)))
+        write_whole(profile, text.replace(lease.format(5), lease.format(STOCK_LEASE)).encode())
     return {**environ, **dict.fromkeys(PROFILE_VARIABLES, str(profile))}
 
 

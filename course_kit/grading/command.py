@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import fcntl
 import os
 import signal
 import sys
@@ -14,6 +13,8 @@ from typing import Any
 
 from tqdm import tqdm  # type: ignore[import-untyped]
 
+from course_kit.examining.own_types import Uncompiled
+from course_kit.file_locks import LockTimeout, locked
 from course_kit.grading import (
     class_run,
     feedback,
@@ -42,6 +43,11 @@ def add_verbs(verbs: Any) -> None:
     """Add the two verbs to the command `course`."""
     released = verbs.add_parser("release", help="for instructors: the students' edition of the course as a zip")
     released.add_argument("zip", type=Path, metavar="OUT.zip")
+    released.add_argument(
+        "--without-solutions",
+        action="store_true",
+        help="leave out the worked solutions, which solution() shows after full points or three tries",
+    )
     released.set_defaults(run=_release)
     grade = verbs.add_parser(
         "grade",
@@ -86,8 +92,10 @@ def _seconds(text: str) -> float:
 
 
 def _release(chosen: argparse.Namespace) -> int:
-    written = release.write(chosen.zip)
-    print(f"{written}: the students' edition, {written.stat().st_size / 1e6:.1f} MB, with manifest.json")
+    written = release.write(chosen.zip, with_solutions=not chosen.without_solutions)
+    solutions = "without solutions" if chosen.without_solutions else "with solutions"
+    size = written.stat().st_size / 1e6
+    print(f"{written}: the students' edition, {size:.1f} MB, with manifest.json, {solutions}")
     return FULL
 
 
@@ -143,11 +151,10 @@ def _locked(folder: Path | None) -> Iterator[None]:
     if folder is None:
         yield
         return
-    folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / ".lock", "w") as lock:
+    with contextlib.ExitStack() as stack:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            stack.enter_context(locked(folder / ".lock", timeout=0))
+        except LockTimeout:
             raise ValueError(
                 f"another `course grade` writes into {folder} now: wait for it, or name another folder"
             ) from None
@@ -185,7 +192,7 @@ def run(chosen: argparse.Namespace) -> int:
     """Run one of the verbs; return its exit status."""
     try:
         return int(chosen.run(chosen))
-    except (ValueError, OSError) as error:
+    except (ValueError, OSError, Uncompiled) as error:
         print(f"course: {error}", file=sys.stderr)
         return WRONG
     except (KeyboardInterrupt, Stopped):

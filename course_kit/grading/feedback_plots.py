@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 
 import matplotlib
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from matplotlib.ticker import MaxNLocator
 
 from course_kit.figures import COLOURS, FAINT, INK, LINES, Plot, style
@@ -32,7 +32,8 @@ def spread(percents: Sequence[float]) -> Markup:
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(y=0.15)
     axes.grid(False, axis="x")
-    return _svg(plot, "spread", "How many students have how many percent of the points")
+    bins = [f"{STEP * place} to {STEP * (place + 1)} %: {count}" for place, count in enumerate(counts) if count]
+    return _svg(plot, "spread", f"How many students have how many percent of the points. {', '.join(bins)}.")
 
 
 def shares(exercises: Sequence[tuple[str, float]]) -> Markup:
@@ -46,7 +47,8 @@ def shares(exercises: Sequence[tuple[str, float]]) -> Markup:
     axes.set_xticks(range(0, 101, 20))
     axes.set_ylim(len(exercises) - 0.4, -0.6)
     axes.grid(False, axis="y")
-    return _svg(plot, "shares", "Mean percent of the points, by exercise, the hardest first")
+    means = ", ".join(f"{name}: {percent:.0f} %" for name, percent in exercises)
+    return _svg(plot, "shares", f"Mean percent of the points, by exercise, the hardest first. {means}.")
 
 
 def _svg(plot: Plot, name: str, told: str) -> Markup:
@@ -59,4 +61,4 @@ def _svg(plot: Plot, name: str, told: str) -> Markup:
     svg = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{name}-", svg)
     for colour, drawn in ((INK, "currentColor"), (FAINT, "currentColor"), (LINES, "#80808060")):
         svg = svg.replace(colour, drawn)
-    return Markup(svg.replace("<svg ", f'<svg role="img" aria-label="{told}" ', 1))
+    return Markup(svg.replace("<svg ", f'<svg role="img" aria-label="{escape(told)}" ', 1))

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from course_kit.environment.notebook import START
 from course_kit.grading.handin_files import Entry, File, Folder, LeftOut, Unread
 from course_kit.grading.handin_names import (
     CANVAS,
@@ -157,7 +158,7 @@ class Search:
         elif suffix == NOTEBOOK:
             if master := master_of(entry.name, self._names):
                 self._found[master].append(_Found(entry, way))
-            else:
+            elif not master_of(entry.name, (START,)):  # which has nothing to be graded
                 self.notes.say_of(way.shown, "none of the course's notebooks")
         elif suffix == ZIP:
             self._unpack(entry, way)

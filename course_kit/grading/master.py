@@ -16,6 +16,8 @@ from typing import Any
 
 import nbformat
 
+from course_kit.whole_files import write_whole
+
 NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
 MASTERS = Path(__file__).with_name("masters")
 PATTERN = "[0-9][0-9]_*.ipynb"
@@ -108,7 +110,7 @@ def stripped(notebook: nbformat.NotebookNode) -> str:
 def main() -> None:
     """Take the masters from the chapters."""
     for path in sorted(NOTEBOOKS.glob(PATTERN)):
-        (MASTERS / path.name).write_text(stripped(nbformat.read(path, as_version=4)))
+        write_whole(MASTERS / path.name, stripped(nbformat.read(path, as_version=4)).encode())
 
 
 if __name__ == "__main__":

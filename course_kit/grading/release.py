@@ -18,17 +18,20 @@ from typing import Any
 import nbformat
 
 from course_kit.grading.master import ANSWER, CHECK, EXERCISE, mark_of
-from course_kit.whole_files import write_whole
+from course_kit.whole_files import NotWritten, write_whole, writing
 
 CLONE = Path(__file__).parents[2]
 TOP, MANIFEST, FORMAT = "ros2-notebook-course", "manifest.json", 1
-# Solutions, and what only those need who change the course. Students keep `course grade .`.
+# Answers to every exercise, and what only those need who change the course. Students keep `course grade .`.
 LEFT_OUT = (".ci/", "CONTRIBUTING.md", "docs/instructors.md", "tests/")
+SOLUTIONS = "course_kit/solutions/"  # what `solution()` shows; an edition may be made without
 MODES = {"100644": 0o644, "100755": 0o755}  # as git keeps them: those of the disk depend on umask and file system
 NOTEBOOK = re.compile(r"notebooks/\d\d_\w+\.ipynb")
+KEPT_EMPTY = "kept-empty"  # the tag of cells about the reader's own machine and points
 PROJECT = re.compile(rf'^name = "{TOP}"\nversion = "(.+)"$', re.MULTILINE)
 # Parts of the README, and what students read in their place.
 MARKED = re.compile(r"<!-- not in the students' edition -->\n.*?<!-- (?:end |instead\n(.*?))-->\n", re.DOTALL)
+ON_SOLUTIONS = re.compile(r"<!-- with solutions -->\n(.*?)<!-- end of solutions -->\n", re.DOTALL)
 
 _log = logging.getLogger(__name__)
 _Files = dict[str, tuple[int, bytes]]  # by path below the top folder: mode and content
@@ -38,7 +41,7 @@ class Refused(ValueError):  # noqa: N818  (reads as what happened)
     """There is no students' edition; the message says why."""
 
 
-def write(zip_path: Path, root: Path = CLONE) -> Path:
+def write(zip_path: Path, root: Path = CLONE, with_solutions: bool = True) -> Path:
     """Write the students' edition of the clone in `root`, uncommitted changes included, and log those. Raises Refused.
 
     Later calls with the same files give the same bytes. An earlier zip of that name is replaced as a whole.
@@ -48,25 +51,29 @@ def write(zip_path: Path, root: Path = CLONE) -> Path:
         raise Refused(f"{root} is a students' edition itself, and one is made from a clone of the course only")
     if not (root / ".git").exists():
         raise Refused(f"{root} is not a clone of the course")
-    files = _tracked(root)
+    left_out = LEFT_OUT if with_solutions else (*LEFT_OUT, SOLUTIONS)
+    files = _tracked(root, left_out)
     project = PROJECT.search(files["pyproject.toml"][1].decode()) if "pyproject.toml" in files else None
     if project is None:
         raise Refused(f"{root} is not a clone of the course")
     mode, readme = files["README.md"]
-    files["README.md"] = mode, MARKED.sub(lambda part: part[1] or "", readme.decode()).encode()
+    text = ON_SOLUTIONS.sub(lambda part: part[1] if with_solutions else "", readme.decode())
+    files["README.md"] = mode, MARKED.sub(lambda part: part[1] or "", text).encode()
     manifest = {
         "format": FORMAT,
         "course": project[1],
         "files": {path: sha256(content).hexdigest() for path, (_, content) in files.items()},
         "exercises": _exercises(root, files),
+        "solutions": with_solutions,
     }
     files[MANIFEST] = MODES["100644"], (json.dumps(manifest, indent=1, sort_keys=True) + "\n").encode()
-    _tell_uncommitted(root)
+    _tell_uncommitted(root, left_out)
     try:
-        zip_path.parent.stat()  # a folder that is not there is a mistake, and not made
+        with writing(zip_path):
+            zip_path.parent.stat()  # a folder that is not there is a mistake, and not made
         write_whole(zip_path, _zipped(files))
-    except OSError as error:
-        raise Refused(f"{zip_path} cannot be written: {error.strerror}") from None
+    except NotWritten as error:
+        raise Refused(str(error)) from None
     return zip_path
 
 
@@ -89,20 +96,32 @@ def _listed(root: Path, *words: str) -> list[str]:
     return _git(root, *words, "-z").split("\0")[:-1]
 
 
-def _tracked(root: Path) -> _Files:
+def _tracked(root: Path, left_out: tuple[str, ...]) -> _Files:
     """What git tracks and students get, as it is on the disk."""
     modes = {path: about.split()[0] for about, path in (e.split("\t", 1) for e in _listed(root, "ls-files", "--stage"))}
     files: _Files = {}
     for path in modes:
-        if path.startswith(LEFT_OUT) or not os.path.lexists(root / path):
+        if path.startswith(left_out) or not os.path.lexists(root / path):
             continue
         # A link becomes a copy of its file: many programs that unpack a zip make no links.
         target = os.path.relpath((root / path).resolve(), root)
         mode = MODES.get(modes.get(target, ""))
-        if mode is None or target.startswith(LEFT_OUT):
+        if mode is None or target.startswith(left_out):
             raise Refused(f"{path} is no file of the students' edition, nor a link to one")
-        files[path] = mode, (root / path).read_bytes()
+        content = (root / path).read_bytes()
+        files[path] = mode, _without_own_machine(content) if path.endswith(".ipynb") else content
     return files
+
+
+def _without_own_machine(notebook: bytes) -> bytes:
+    """A notebook without what the machine of whoever makes the release has shown in it."""
+    whole = nbformat.reads(notebook.decode(), as_version=4)
+    kept_empty = [cell for cell in whole.cells if KEPT_EMPTY in cell.metadata.get("tags", [])]
+    if not any(cell.outputs or cell.execution_count for cell in kept_empty):
+        return notebook
+    for cell in kept_empty:
+        cell.outputs, cell.execution_count = [], None
+    return (nbformat.writes(whole) + "\n").encode()
 
 
 def _exercises(root: Path, files: Mapping[str, tuple[int, bytes]]) -> dict[str, dict[str, Any]]:
@@ -129,14 +148,14 @@ def _cells(notebook: str) -> Iterator[tuple[dict[str, Any], nbformat.NotebookNod
             yield mark, cell
 
 
-def _tell_uncommitted(root: Path) -> None:
+def _tell_uncommitted(root: Path, left_out: tuple[str, ...]) -> None:
     lines = _listed(root, "status", "--porcelain", "--no-renames", "--untracked-files=normal")  # such as " M README.md"
     for is_untracked, what in (
         (False, "released with changes that are not committed"),
         (True, "not released, as git does not track it"),
     ):
         paths = [line[3:] for line in lines if line.startswith("??") is is_untracked]
-        if paths := [path for path in paths if not path.startswith(LEFT_OUT)]:
+        if paths := [path for path in paths if not path.startswith(left_out)]:
             _log.warning("%s: %s", what, ", ".join(paths))
 
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from course_kit.environment.activation import sourced_ros
+from course_kit.solving.worked import FOLDER as SOLUTIONS
 
 APART = "bubblewrap: own network, processes, files and shared memory; limits of time, memory, disk and processes"
 NOT_APART = (
@@ -119,7 +120,10 @@ def inner(places: Places, environ: Mapping[str, str], limits: Limits, only: bool
 
 @functools.cache
 def _machine() -> tuple[str, ...]:
-    """The options that show what Python and ROS need of the machine, read-only, and nothing else of it."""
+    """The options that show what Python and ROS need of the machine, read-only, and nothing else of it.
+
+    The course's package is there, with an empty folder in place of its solutions.
+    """
     words: list[str] = []
     for name in ("usr", "bin", "sbin", "lib", "lib32", "lib64", "libx32"):
         path = Path("/", name)
@@ -130,6 +134,9 @@ def _machine() -> tuple[str, ...]:
     for path in [*(Path("/etc", name) for name in ETC), *_pythons()]:
         if path.exists() and not path.is_relative_to("/usr"):
             words += ["--ro-bind", str(path), str(path)]
+    for path in {SOLUTIONS, SOLUTIONS.resolve()}:  # the worked solutions, of which nothing is to be seen
+        if path.is_dir():
+            words += ["--size", "4096", "--perms", "0555", "--tmpfs", str(path), "--remount-ro", str(path)]
     return tuple(words)
 
 

@@ -20,7 +20,7 @@ from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.event_handler import QoSSubscriptionEventType, SubscriptionEventCallbacks
 from rclpy.exceptions import InvalidHandle
-from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.node import Node
@@ -110,12 +110,6 @@ def pending_requests(client: Client) -> list[Future]:
     return list(client._pending_requests.values())
 
 
-def blocks(action: Any) -> bool:
-    """Whether it is an action server that keeps a thread for as long as a goal runs."""
-    execute = getattr(action, "_execute_callback", None)
-    return execute is not None and not inspect.iscoroutinefunction(execute)
-
-
 def fast_executor(context: Context) -> Executor:
     """rclpy's EventsExecutor, which is an Executor by its methods alone; the usual one where there is none."""
     with going_on_without("what nodes receive takes three times as long"):
@@ -130,6 +124,15 @@ def fast_executor(context: Context) -> Executor:
 def is_fast(executor: Executor) -> bool:
     """Whether it is an EventsExecutor."""
     return not isinstance(executor, Executor)
+
+
+def thread_count(executor: Executor) -> int:
+    """How many threads of an executor run callbacks."""
+    if not isinstance(executor, MultiThreadedExecutor):
+        return 1
+    pool: Any = getattr(executor, "_executor", None)
+    expect("rclpy", pool, "_max_workers")
+    return int(pool._max_workers)
 
 
 def spin_some(executor: Executor, until: Future) -> None:

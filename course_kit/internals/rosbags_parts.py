@@ -14,7 +14,7 @@ from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import CompressionMode, Reader
@@ -133,47 +133,43 @@ StorageFile = McapFile | Sqlite3File
 FILES: dict[str, type[StorageFile]] = {"mcap": McapFile, "sqlite3": Sqlite3File}
 
 
-def unfinished_mcap(file: Path, records: Sequence[tuple[int, int, int]]) -> Reader:
+def unfinished_mcap(file: Path, records: Sequence[tuple[int, int, int]], stream: BinaryIO) -> Reader:
     """The open reader of an mcap file that has no end, from its whole records: kind, first byte, one after the last.
 
-    Raises NotAsExpected.
+    They are read from `stream`, which ends with the reader. Raises NotAsExpected.
     """
-    with _known("reads mcap files"):
+    with contextlib.ExitStack() as stack, _known("reads mcap files"):
         from rosbags.rosbag2 import storage_mcap
 
+        stack.callback(stream.close)
         reader = Reader(file)
         storage: Any = reader.storage
-        storage.bio = file.open("rb")
-        try:
-            if records:
-                storage.data_start, storage.data_end = records[0][2], records[-1][2]
-            storage.meta_scan()
-            found: Any = storage.statistics
-            counts = found.channel_message_counts
-            storage.connections = [c._replace(msgcount=counts.get(c.id, 0)) for c in storage.connections]
-            if found.message_count:
-                storage.metadata = storage.metadata._replace(
-                    duration=found.end_time - found.start_time + 1,
-                    start_time=found.start_time,
-                    end_time=found.end_time + 1,
-                    message_count=found.message_count,
-                )
-            everywhere = dict.fromkeys((c.id for c in storage.connections), 1)
-            for kind, begin, end in records:
-                if kind == CHUNK:
-                    storage.bio.seek(begin + 9)
-                    first, last, size, _, letters = struct.unpack("<QQQII", storage.bio.read(32))
-                    compression = storage.bio.read(letters).decode()
-                    compressed = int.from_bytes(storage.bio.read(8), "little")
-                    where = first, last, begin, end - begin
-                    storage.chunks.append(
-                        storage_mcap.ChunkInfo(*where, {}, 0, compression, compressed, size, everywhere)
-                    )
-            reader.is_open = True
-            return reader
-        except BaseException:
-            storage.bio.close()
-            raise
+        storage.bio = stream
+        if records:
+            storage.data_start, storage.data_end = records[0][2], records[-1][2]
+        storage.meta_scan()
+        found: Any = storage.statistics
+        counts = found.channel_message_counts
+        storage.connections = [c._replace(msgcount=counts.get(c.id, 0)) for c in storage.connections]
+        if found.message_count:
+            storage.metadata = storage.metadata._replace(
+                duration=found.end_time - found.start_time + 1,
+                start_time=found.start_time,
+                end_time=found.end_time + 1,
+                message_count=found.message_count,
+            )
+        everywhere = dict.fromkeys((c.id for c in storage.connections), 1)
+        for kind, begin, end in records:
+            if kind == CHUNK:
+                storage.bio.seek(begin + 9)
+                first, last, size, _, letters = struct.unpack("<QQQII", storage.bio.read(32))
+                compression = storage.bio.read(letters).decode()
+                compressed = int.from_bytes(storage.bio.read(8), "little")
+                where = first, last, begin, end - begin
+                storage.chunks.append(storage_mcap.ChunkInfo(*where, {}, 0, compression, compressed, size, everywhere))
+        reader.is_open = True
+        stack.pop_all()
+        return reader
 
 
 def add_type_hashes(reader: Reader) -> None:

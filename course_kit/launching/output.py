@@ -15,6 +15,8 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
+from course_kit.whole_files import reason_of
+
 DESTINATIONS = {"screen", "log", "own_log"}
 # What the words for `output` stand for: source -> destinations.
 WORDS: dict[str, dict[str, set[str]]] = {
@@ -53,13 +55,20 @@ def _log_file(name: str) -> IO[str] | None:
     try:
         return open(launch_folder() / name, "a", encoding="utf-8", errors="replace", buffering=1)
     except OSError as error:
-        print(f"cannot write {name}: {error}", file=sys.stderr, flush=True)
+        print(f"cannot write {name}: {reason_of(error)}", file=sys.stderr, flush=True)
         return None
 
 
+_given_up: set[str] = set()  # log files that could not be written
+
+
 def _log(name: str, line: str) -> None:
-    if file := _log_file(name):
-        file.write(line + "\n")
+    if name not in _given_up and (file := _log_file(name)):
+        try:
+            file.write(line + "\n")
+        except OSError as error:  # a full disk must not keep nodes from running either
+            _given_up.add(name)
+            print(f"cannot write {name} any more: {reason_of(error)}", file=sys.stderr, flush=True)
 
 
 def screen(line: str) -> None:

@@ -9,6 +9,7 @@ import signal
 import traceback
 from collections.abc import Iterable
 
+from course_kit.ending.signals import asking_to_end
 from course_kit.launching import events, output
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import LaunchDescription, visit_all
@@ -36,7 +37,7 @@ class LaunchService:
         self.context.emit_event_sync(events.IncludeLaunchDescription(description))
 
     def run(self) -> int:
-        """Run to the end; return the exit status. SIGINT, SIGTERM and SIGQUIT end the launch."""
+        """Run to the end; return the exit status. SIGINT, SIGTERM, SIGHUP and SIGQUIT end the launch."""
         self._watch = Watch()
         self.context.token = self._watch.token
         try:
@@ -53,7 +54,7 @@ class LaunchService:
         self._logger.info(f"All log files can be found below {output.launch_folder()}")
         self._logger.info(f"Default logging verbosity is set to {self._verbosity}")
         loop.add_signal_handler(signal.SIGINT, self._on_sigint)
-        for number in (signal.SIGTERM, signal.SIGQUIT):
+        for number in (*asking_to_end(), signal.SIGQUIT):
             loop.add_signal_handler(number, self._on_sigterm, number)
         while not terminated.done():
             if self.context.events:
@@ -104,11 +105,11 @@ class LaunchService:
         self._shutdown("ctrl-c (SIGINT)", due_to_sigint=True)
 
     def _on_sigterm(self, number: signal.Signals) -> None:
+        self._status = 1
+        if not self._terminated.done():
+            self._terminated.set_result(None)
         name = signal.Signals(number).name
         self._logger.error(f"user interrupted with ctrl-\\ ({name}), terminating...")
         self._logger.error(f"using {name} can result in orphaned processes")
         self._logger.error("make sure no processes launched are still running")
         self._logger.error("run task was canceled")
-        self._status = 1
-        if not self._terminated.done():
-            self._terminated.set_result(None)

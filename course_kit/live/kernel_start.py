@@ -1,14 +1,13 @@
-"""What a kernel does at its start: rclpy calls are made safe in a notebook, each node and process gets a console."""
+"""What a kernel does at its start: rclpy is made safe, errors say their cause, nodes have consoles, waits a bar."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from course_kit import internals
+from course_kit import internals, kernel
 from course_kit.background import guards
-from course_kit.ending import shared_memory
 from course_kit.internals.inspect_parts import know_cell
-from course_kit.live import console, process_console
+from course_kit.live import console, described, node_text, process_console, progress_bar, tabs, tracebacks
 
 
 def load_ipython_extension(shell: Any) -> None:
@@ -18,10 +17,16 @@ def load_ipython_extension(shell: Any) -> None:
     shell.events.register("pre_run_cell", lambda cell: know_cell(_path(shell, cell)))
     if said := internals.untried(internals.package_version("rclpy")):
         internals.say(said)
+    shell.events.register("post_run_cell", kernel.note_end)
+    tracebacks.fold(shell)
+    node_text.attach(shell)
     guards.install()
+    if hasattr(shell, "kernel"):
+        tabs.attach(shell)
+        progress_bar.attach()
+    described.attach(shell)
     console.attach()
     process_console.attach()
-    shared_memory.tidy()  # a kernel before this one may have been killed
 
 
 def _path(shell: Any, cell: Any) -> str:

@@ -1,37 +1,26 @@
-"""What stands under a cell and changes, and the one life of all that moves there."""
+"""The one life of all that moves under a cell: a thread that shows anew what there is, until it ends."""
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections.abc import Callable
-from typing import Any
 
-from IPython.display import DisplayHandle, display
-
+from course_kit.live import tabs
 from course_kit.spinning import context
 
-Bundle = dict[str, Any]  # by MIME type
 END_TIMEOUT = 4.0  # seconds for a last picture that is just being drawn
+UNSEEN = 0.25  # seconds between two looks at whether somebody looks again
 
 alive: list[Life] = []  # the oldest first
-
-
-class Shown:
-    """A MIME bundle under the cell that runs; it can be shown anew."""
-
-    def __init__(self, bundle: Bundle) -> None:
-        self._handle: DisplayHandle | None = display(bundle, raw=True, display_id=True)
-
-    def update(self, bundle: Bundle) -> None:
-        """Show another one in its place."""
-        if self._handle is not None:  # else there is no notebook
-            self._handle.update(bundle, raw=True)
 
 
 class Life:
     """A thread that shows anew what there is, until stop(), an error, or the end of ROS; what was shown last stays."""
 
     _thread: threading.Thread | None = None
+    _deadline = math.inf  # on the clock of time.monotonic(): when it ends by itself
 
     def _begin(self, name: str, rest: float) -> None:
         """Begin to live; `rest` seconds until the first look."""
@@ -44,6 +33,10 @@ class Life:
     def _show(self) -> float:
         """Show what is new; the seconds until the next look."""
         raise NotImplementedError
+
+    def _unseen(self) -> float:
+        """Do what must be done also while nobody looks; the seconds until the next look."""
+        return UNSEEN
 
     def _end(self, error: Exception | None) -> None:
         """Close what was used, and say that it has ended, and why."""
@@ -67,8 +60,8 @@ class Life:
     def _live(self, rest: float) -> None:
         why = None
         try:
-            while not self._ending.wait(rest):
-                rest = self._show()
+            while not self._ending.wait(rest) and time.monotonic() < self._deadline:
+                rest = self._show() if tabs.somebody_looks() else self._unseen()
         except Exception as error:  # there is no other place where it could be seen; ROS was shut down, for instance
             why = error
         try:

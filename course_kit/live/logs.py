@@ -3,49 +3,68 @@
 from __future__ import annotations
 
 import html
+import math
 from typing import Any
 
 from ipywidgets import HTML, Dropdown, HBox, Layout, Text, ToggleButton, VBox
 
+from course_kit.arguments import NODE, TEXT, takes
 from course_kit.background import log_levels
-from course_kit.live.life import Life, alive
+from course_kit.live.life import alive
+from course_kit.live.shown import Bundle
+from course_kit.live.view import View
 from course_kit.node_logs import rosout
 from course_kit.node_logs.rosout import LEVELS, LogLines
 from course_kit.spinning import context
-from course_kit.text import stands_still
 
 PERIOD = 0.25  # seconds between two looks: nodes may log a thousand times a second
 SHOWN = 200  # lines
 HEIGHT = "260px"
 ALL = "all nodes"
 MOST = 4  # consoles that are live at once; the oldest of more ends
-LEAVE = "set level …"
+LEAVE = "…"
+NAMED = {"description_width": "initial"}  # a name takes the room that it needs
+OF_A_STILL = 20  # lines
 
 
-class LogPanel(Life, VBox):
+class LogPanel(View):
     """A console with the last log lines of the nodes of this domain; its choices are attributes too."""
+
+    kind = "logs"
 
     def __init__(self, node: str | None, level: str) -> None:
         rosout.level_number(level)
-        self.node = Dropdown(options=[ALL], value=ALL, layout=Layout(width="200px"))
-        self.level = Dropdown(options=list(LEVELS.values()), value=level.upper(), layout=Layout(width="100px"))
-        self.text = Text(placeholder="text in the line", layout=Layout(width="180px"))
+        self.node = _choice("node", [ALL], ALL, 240)
+        self.level = _choice("level", list(LEVELS.values()), level.upper(), 140)
+        self.text = Text(description="text", placeholder="in the line", layout=Layout(width="210px"), style=NAMED)
         self.pause = ToggleButton(description="pause", icon="pause", layout=Layout(width="90px"))
-        self.set_level = Dropdown(options=[LEAVE, *LEVELS.values()], value=LEAVE, layout=Layout(width="110px"))
+        self.set_level = _choice("set level", [LEAVE, *LEVELS.values()], LEAVE, 170)
         self._answer = HTML()
         self._lines = HTML(layout=Layout(height=HEIGHT, overflow="auto", border="1px solid #8888"))
-        choices = HBox([self.node, self.level, self.text, self.pause, self.set_level, self._answer])
-        super().__init__([choices, self._lines])
         if node is not None:
             self._offer("/" + node.strip("/"))
             self.node.value = "/" + node.strip("/")
         self._is_new = False  # whether there is anything to show
-        for choice in (self.node, self.level, self.text, self.pause):
+        choices = (self.node, self.level, self.text, self.pause)
+        for choice in choices:
             choice.observe(self._on_change, names="value")
         self.set_level.observe(self._set_level, names="value")
-        rosout.listeners.add(self._on_change)
         self.show_lines()
-        self._begin("log console", PERIOD)
+        rosout.listeners.add(self._on_change)
+        above = HBox([*choices, self.set_level, self._answer], layout=Layout(flex_flow="row wrap"))
+        self._open(PERIOD, math.inf, VBox([above, self._lines]))
+
+    def still(self) -> Bundle:
+        """The last lines, of what was chosen, the newest below as in a terminal."""
+        of = f"with {self.text.value!r} " if self.text.value else ""
+        head = f"Log lines of {self.node.value}, {of}{self.level.value} and above:"
+        lines = LogLines(self._showing[-OF_A_STILL:])
+        page = "".join(rosout.html_line(line) for line in lines) or "(no log lines)"
+        css = f"margin:0;line-height:1.35;max-height:{HEIGHT};overflow:auto"
+        return {
+            "text/plain": f"{head}\n{lines!r}",
+            "text/html": f"{html.escape(head)}<pre class='course-kit-logs' tabindex='0' style='{css}'>{page}</pre>",
+        }
 
     def shown(self) -> LogLines:
         """The lines that the choices leave."""
@@ -54,7 +73,7 @@ class LogPanel(Life, VBox):
 
     def show_lines(self) -> None:
         """Show the present lines, the newest above."""
-        lines = self.shown()
+        self._showing = lines = self.shown()
         for name in sorted({line.node for line in lines} - set(self.node.options)):
             self._offer(name)
         newest = "".join(rosout.html_line(line) for line in reversed(lines)) or "(no log lines)"
@@ -70,12 +89,11 @@ class LogPanel(Life, VBox):
         if self._is_new and not self.pause.value:
             self._is_new = False
             self.show_lines()
+        self._keep()
         return PERIOD
 
-    def _end(self, error: Exception | None) -> None:
+    def _close(self) -> None:
         rosout.listeners.discard(self._on_change)
-        if error is not None:
-            self._say(stands_still("The console", error))
 
     def _set_level(self, change: dict[str, Any]) -> None:
         if change["new"] == LEAVE:
@@ -94,6 +112,11 @@ class LogPanel(Life, VBox):
         self._answer.value = f"<code>{html.escape(text)}</code>"
 
 
+def _choice(name: str, options: list[str], chosen: str, width: int) -> Dropdown:
+    return Dropdown(description=name, options=options, value=chosen, layout=Layout(width=f"{width}px"), style=NAMED)
+
+
+@takes(node=NODE | None, level=TEXT)
 def watch_logs(node: str | None = None, level: str = "INFO") -> LogPanel:
     """Show what nodes log, live, with a choice of node, level and text: what rqt_console shows.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 
 from course_kit.live.console import Console, bundle, refresh
+from course_kit.live.shown import Bundle
 from course_kit.programs import processes
 from course_kit.programs.child_process import Process
 
@@ -18,7 +19,7 @@ class ProcessConsole(Console):
         self.process = process
         super().__init__(earlier)
 
-    def bundle(self) -> dict[str, str]:
+    def bundle(self) -> Bundle:
         """The last lines that it has printed."""
         lines = [(f"  {line}", f"  {html.escape(line)}\n") for line in self.process.lines[-LAST_LINES:]]
         return bundle(self.process.name, self.process.state, lines)

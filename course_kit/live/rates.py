@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from course_kit.live.life import Bundle
-from course_kit.live.view import LONGEST, LiveView, as_text
+from course_kit.arguments import SPAN, takes
+from course_kit.live.shown import Bundle
+from course_kit.live.view import LONGEST, LiveView, as_tables
 from course_kit.node_logs import rosout
 from course_kit.recordings import meters
 from course_kit.recordings.measure import Reading
 from course_kit.recordings.meters import RateMeter, bandwidth_text, delay_text
 from course_kit.ros_graph import graph
 from course_kit.spinning import context
-from course_kit.text import table
 from course_kit.watching import instruments, topics
 
 PERIOD = 0.5  # seconds between two tables
@@ -20,6 +20,7 @@ HEADINGS = ("topic", "from", "rate", "period min", "max", "delay", "bandwidth", 
 QUIET = 2.0  # seconds without a message after which a topic is said to be silent
 
 
+@takes(last=SPAN, period=SPAN, seconds=SPAN)
 def watch_rates(*wanted: Any, last: float = 3.0, period: float = PERIOD, seconds: float = LONGEST) -> LiveView:
     """Show a table of rates, bandwidths and delays, live: `ros2 topic hz`, `bw` and `delay` for many topics at once.
 
@@ -27,8 +28,6 @@ def watch_rates(*wanted: Any, last: float = 3.0, period: float = PERIOD, seconds
     Below stands how many lines each node logs a second. It ends with .stop(), with the next run of its cell, or
     after `seconds`.
     """
-    if last <= 0 or period <= 0:
-        raise ValueError("last and period are spans of time in seconds: give more than 0")
     context.start()
     rosout.collect()
     types = topics.look_up(instruments.node(), topics.with_types(wanted), 10.0) if wanted else {}
@@ -37,7 +36,7 @@ def watch_rates(*wanted: Any, last: float = 3.0, period: float = PERIOD, seconds
     def draw() -> Bundle:
         if not wanted:
             _add_new(meter)
-        return as_text(rates_text(meter, last))
+        return as_tables(rates_tables(meter, last), left=2)
 
     return LiveView("rates", draw, meter.stop, period, seconds)
 
@@ -55,12 +54,12 @@ def _add_new(meter: RateMeter) -> None:
             continue
 
 
-def rates_text(meter: RateMeter, last: float) -> str:
+def rates_tables(meter: RateMeter, last: float) -> list[str | list[tuple[str, ...]]]:
     """The present table, with the log lines of each node below it."""
     rows = [(topic, *_row(topic, reading)) for topic, reading in sorted(meter.read(last).items())]
-    shown = table([HEADINGS, *rows], left=2) if rows else "(no node publishes anything)"
     logged = rosout.log_rates(max(last, 1.0))
-    return f"{shown}\n\n{logged!r}" if logged else shown
+    shown: list[str | list[tuple[str, ...]]] = [[HEADINGS, *rows] if rows else "(no node publishes anything)"]
+    return [*shown, logged.rows()] if logged else shown
 
 
 def _row(topic: str, reading: Reading) -> tuple[str, ...]:

@@ -1,124 +1,209 @@
-"""The turtle live in a notebook: its field as it moves, with arrow buttons and keys to drive it."""
+"""The turtles live in a notebook: their field as they move, with buttons and keys to drive one of them."""
 
 from __future__ import annotations
 
-import html
+import base64
+import io
 import itertools
-from collections import deque
+import math
+import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ipycanvas import MultiCanvas, hold_canvas
-from ipywidgets import HTML, Button, GridBox, HBox, Layout, VBox
-from rclpy.serialization import deserialize_message
-from turtlesim.msg import Pose
+from anywidget import AnyWidget
+from PIL import Image
+from std_srvs.srv import Empty
+from traitlets import Dict, Unicode
+from turtlesim.srv import Spawn, TeleportAbsolute
 
+from course_kit.arguments import NAMESPACE, NODE, takes
 from course_kit.background import running
-from course_kit.live.life import Life, stop_all
-from course_kit.text import stands_still
-from course_kit.turtlesim import Teleop, teleop
-from course_kit.turtlesim.field import METER, SIZE
-from course_kit.turtlesim.picture import turtle_image
-from course_kit.watching import instruments
+from course_kit.live.life import stop_all
+from course_kit.live.shown import Bundle
+from course_kit.live.turtle_topics import TurtleTopics
+from course_kit.live.view import View
+from course_kit.spinning.nodes import WITHOUT_DESCRIPTIONS
+from course_kit.turtlesim import Teleop, picture, teleop
+from course_kit.turtlesim.field import Color
+from course_kit.turtlesim.seen_field import Move, Others, Repainted
+from course_kit.turtlesim.turtle import TICK
 
-SCREEN = 400  # pixels; the field's 500 shrink to it in the browser
-FRAME = 0.05  # seconds between two pictures
-BACKGROUND = "rgb(69, 86, 255)"
-TRAIL = "rgb(179, 184, 255)"
-# A longer step between two poses is a teleport of a reset, and no trail.
-STEP = 3.0
-KEYS = {"ArrowUp": "up", "ArrowDown": "down", "ArrowLeft": "left", "ArrowRight": "right"}
+POLL = TICK / 4  # seconds between two looks at what has come
+FRAME = 0.75 * TICK  # the least time between two messages to the browser: one a tick, with all turtles in it
+LOOK, SOONER = 0.3, 0.05  # seconds between two looks for turtles that came or went
+RESTED, SOON = 1.0, 2.0  # seconds that turtles rest before a still is taken, and between two such
+RARELY = 30.0  # seconds between two stills while turtles move: each takes as long as some frames
 DRIVEN = [key for key in teleop.KEYS if key != "q"]  # the panel ends with close()
-BUTTONS = {"up": "arrow-up", "left": "arrow-left", "down": "arrow-down", "right": "arrow-right"}
+HERE = Path(__file__).parent
 
 
-class TurtlePanel(Life, VBox):
-    """A live field with a turtle on it, arrow buttons, and keys once the field was clicked."""
+class TurtleWidget(AnyWidget):
+    """What the browser shows: turtle.js."""
+
+    _esm = Unicode(HERE.joinpath("turtle.js").read_text("utf-8")).tag(sync=True)
+    _css = Unicode(HERE.joinpath("turtle.css").read_text("utf-8")).tag(sync=True)
+    turtle = Unicode().tag(sync=True)
+    topic = Unicode().tag(sync=True)
+    first = Dict().tag(sync=True)  # the field until the browser has been sent all of it
+
+
+class TurtlePanel(View):
+    """A live field with its turtles, arrow buttons, and keys that work anywhere in it."""
+
+    kind = "turtles"
 
     def __init__(self, turtle: str, namespace: str) -> None:
-        self.topic = _topic(turtle, namespace)
-        options: dict[str, Any] = {"namespace": namespace} if namespace else {}
-        if turtle != "turtle1":  # the teleop node's own name for its turtle, as in the original
-            remapping = [f"turtle1/{topic}:={turtle}/{topic}" for topic in ("cmd_vel", "rotate_absolute")]
-            options["cli_args"] = ["--ros-args", *(word for rule in remapping for word in ("-r", rule))]
-        self.teleop = running.run(Teleop, **options)
-        self._poses: deque[bytes] = deque(maxlen=1000)
-        self._last: Pose | None = None
-        self._canvas = MultiCanvas(2, width=SIZE, height=SIZE, layout=Layout(width=f"{SCREEN}px", height=f"{SCREEN}px"))
-        self._canvas[0].fill_style, self._canvas[0].stroke_style = BACKGROUND, TRAIL
-        self._canvas[0].line_width = 3
-        self._canvas[0].fill_rect(0, 0, SIZE, SIZE)
-        self._canvas.on_key_down(self._on_key)
-        self._line = HTML()
-        super().__init__([HBox([self._canvas, self._pad()]), self._line])
-        self._subscription = instruments.subscribe(self.topic, self._on_pose, "turtlesim/msg/Pose")
-        self._begin(f"view of {self.topic}", FRAME)
+        self._turtle = turtle
+        # A node for each turtle, so that panels of two do not take it from each other.
+        name = "teleop_turtle" if turtle == "turtle1" else f"teleop_{turtle.replace('/', '_')}"
+        self._topics = TurtleTopics(turtle, namespace)
+        self._topics.on_silence = self._say
+        self.topic = self._topics.pose_topic(turtle)
+        self.teleop = running.run(
+            Teleop, turtle, name, namespace=namespace or None, parameter_overrides=WITHOUT_DESCRIPTIONS
+        )
+        self._teleop_name = self.teleop.get_fully_qualified_name()
+        self._count = 0  # messages to the browser: it asks for the whole field when one is missing
+        self._whole = False  # whether it has asked
+        self._said = ""
+        self._shown_at = self._looked_at = self._sent_at = 0.0
+        self._widget = TurtleWidget(turtle=turtle, topic=self.topic, first=self._all())
+        self._widget.on_msg(lambda _, content, __: self._on_message(content))
+        self._open(FRAME, math.inf, self._widget)
 
     def press(self, key: str) -> None:
         """Do what a key does: up, down, left, right, or a letter of turtle_teleop_key."""
         self.teleop.press(key)
 
-    def _end(self, error: Exception | None) -> None:
-        self._subscription.close()
+    def still(self) -> Bundle:
+        """The field as it is now, as a picture and in words."""
+        field = self._topics.field
+        scene = field.scene()
+        drawn = picture.draw(scene, field.background)
+        as_wide_as_live = {"image/png": {"width": 400, "height": 400}}
+        image = base64.b64encode(_png(drawn)).decode()
+        return {"text/plain": picture.in_words(scene), "image/png": image, "metadata": as_wide_as_live}
+
+    def _close(self) -> None:
+        self._topics.close()
         running.stop(self.teleop)
-        if error is not None:
-            self._line.value = f"<code>{html.escape(stands_still('The picture', error))}</code>"
 
-    def _pad(self) -> GridBox:
-        """The arrow buttons, laid out as the keys are."""
-        buttons = []
-        for key, icon in BUTTONS.items():
-            button = Button(icon=icon, tooltip=key, layout=Layout(width="44px", height="36px", grid_area=key))
-            button.on_click(lambda _, key=key: self.press(key))
-            buttons.append(button)
-        areas = "'. up .' 'left down right'"
-        layout = Layout(grid_template_areas=areas, grid_gap="4px", margin="0 0 0 12px", align_content="center")
-        return GridBox(buttons, layout=layout)
-
-    def _on_key(self, key: str, *_modifiers: bool) -> None:
-        if (pressed := KEYS.get(key, key)) in DRIVEN:
-            self.press(pressed)
-
-    def _on_pose(self, serialised: bytes, *_info: Any) -> None:
-        self._poses.append(serialised)
+    # To the browser, in the view's thread.
 
     def _show(self) -> float:
-        if self._poses:
-            self._draw([deserialize_message(self._poses.popleft(), Pose) for _ in range(len(self._poses))])
-        return FRAME
+        now = time.monotonic()
+        if now - self._shown_at > 1.0:  # nobody looked meanwhile
+            self._whole = True
+        self._shown_at = now
+        self._follow(now)
+        if now - self._sent_at >= FRAME and (self._whole or self._topics.field.changes):
+            self._sent_at = now
+            self._send_changes()
+        self._keep(SOON if now - self._sent_at > RESTED else RARELY)
+        return POLL
 
-    def _draw(self, poses: list[Pose]) -> None:
-        """Add the way since the last picture to the trail and put the turtle at its end."""
-        newest, known = poses[-1], [*([self._last] if self._last else []), *poses]
-        if newest == self._last:
+    def _unseen(self) -> float:
+        self._follow(time.monotonic())
+        self._topics.field.changes.clear()
+        return super()._unseen()
+
+    def _follow(self, now: float) -> None:
+        """Have happen on the field what has happened to the turtles."""
+        if now - self._looked_at >= (SOONER if self._topics.misses_poses else LOOK):
+            self._looked_at = now
+            self._topics.look()
+        self._topics.take()
+
+    def _send_changes(self) -> None:
+        """Tell the browser what is new."""
+        changes, self._topics.field.changes = self._topics.field.changes, []
+        if self._whole or any(isinstance(change, Repainted) for change in changes):
+            self._whole = False
+            trails = self._topics.field.scene().trails
+            self._send(self._all(), _png(trails), _png(picture.shells()))
             return
-        self._last = newest
-        points = list(dict.fromkeys(_pixel(pose) for pose in known))
-        sprite = np.array(turtle_image(0, round(np.degrees(newest.theta)) % 360))
-        trail, turtle = self._canvas[0], self._canvas[1]
-        with hold_canvas():
-            for (x0, y0), (x1, y1) in itertools.pairwise(points):
-                if abs(x1 - x0) + abs(y1 - y0) < STEP * METER:
-                    trail.stroke_line(x0, y0, x1, y1)
-            turtle.clear()
-            x, y = points[-1]
-            turtle.put_image_data(sprite, x - sprite.shape[1] / 2, y - sprite.shape[0] / 2)
-        self._line.value = f"<code>x {newest.x:.2f} m, y {newest.y:.2f} m, heading {newest.theta:.2f} rad</code>"
+        for kind, some in itertools.groupby(changes, type):
+            if kind is Move:
+                self._send({"kind": "moves"}, np.array(list(some), np.float32).tobytes())
+            else:
+                for change in some:
+                    if isinstance(change, Others):
+                        self._send({"kind": "turtles", **_roster(change)})
+
+    def _send(self, content: dict[str, Any], *buffers: bytes) -> None:
+        self._count += 1
+        self._widget.send({**content, "count": self._count}, list(buffers))
+
+    def _all(self) -> dict[str, Any]:
+        """All that there is, but the trails."""
+        return {"kind": "field", "count": self._count, **_roster(self._topics.field.everything())}
+
+    def _say(self, text: str) -> None:
+        if text != self._said:
+            self._said = text
+            self._widget.send({"kind": "said", "text": text})
+
+    # From the browser, in the kernel's main thread.
+
+    def _on_message(self, message: dict[str, Any]) -> None:
+        kind = message.get("kind")
+        self._say("")
+        if kind == "show":
+            self._whole = True
+        elif kind == "key" and message["key"] in DRIVEN:
+            self._on_key(message["key"])
+        elif kind == "call" and message["service"] in ("clear", "reset"):
+            self._ask(Empty, message["service"])
+        elif kind == "spawn":
+            self._ask(Spawn, kind, x=float(message["x"]), y=float(message["y"]))
+        elif kind == "teleport":
+            turtle = self._topics.field.turtles.get(self._turtle)
+            theta = turtle.pose[2] if turtle and turtle.pose and turtle.is_somewhere else 0.0
+            where = {"x": float(message["x"]), "y": float(message["y"]), "theta": theta}
+            self._ask(TeleportAbsolute, f"{self._turtle}/teleport_absolute", **where)
+
+    def _on_key(self, key: str) -> None:
+        try:
+            self.press(key)
+        except Exception:  # rclpy's InvalidHandle: the node is gone
+            name = self._teleop_name
+            self._say(f"Keys do nothing: the node {name}, which sends them, was stopped. Run the panel's cell again.")
+
+    def _ask(self, service_type: Any, service: str, **request: Any) -> None:
+        self._topics.ask(service_type, self._topics.absolute(service), lambda _: None, **request)
 
 
-def _pixel(pose: Pose) -> tuple[float, float]:
-    return pose.x * METER, SIZE - 1 - pose.y * METER
+def _roster(seen: Others) -> dict[str, Any]:
+    """Who is there, as JSON has it: it has no NaN."""
+    turtles = []
+    for turtle in seen.turtles:
+        told = {"number": turtle.number, "name": turtle.name, "shell": turtle.shell}
+        pen = {"color": _css(turtle.pen.color), "width": turtle.pen.width, "down": turtle.pen.down}
+        place = dict(zip(("x", "y", "theta"), turtle.pose, strict=True)) if turtle.pose and turtle.is_somewhere else {}
+        turtles.append(told | pen | place)
+    return {"turtles": turtles, "background": _css(seen.background), "wiped": seen.wiped}
 
 
+def _css(color: Color) -> str:
+    return f"rgb({color[0]}, {color[1]}, {color[2]})"
+
+
+def _png(drawn: Image.Image) -> bytes:
+    png = io.BytesIO()
+    drawn.save(png, "PNG", compress_level=1)
+    return png.getvalue()
+
+
+@takes(turtle=NODE, namespace=NAMESPACE)
 def drive(turtle: str = "turtle1", namespace: str = "") -> TurtlePanel:
-    """Show a turtle live and drive it: with the buttons, or with the arrow keys after a click on the field.
+    """Show the turtles of a simulator live and drive one of them: with the buttons, or with the keys of teleop.
 
+    Arrow keys and g t r e d c v b f work anywhere in the panel. It follows turtles that are spawned or killed later, in
+    whatever process the simulator runs. Of ROS's own turtlesim it cannot know a pen's width, takes its colour from what
+    the sensor sees where the turtle rests, and misses trails from before. It ends with .close() or its cell's next run.
     Stands for `ros2 run turtlesim turtle_teleop_key` and the simulator's window.
     """
-    topic = _topic(turtle, namespace)
-    stop_all(lambda other: isinstance(other, TurtlePanel) and other.topic == topic)
+    panel_of = f"/{namespace.strip('/')}/{turtle}/pose".replace("//", "/")
+    stop_all(lambda other: isinstance(other, TurtlePanel) and other.topic == panel_of)
     return TurtlePanel(turtle, namespace)
-
-
-def _topic(turtle: str, namespace: str) -> str:
-    return "/" + "/".join(part for part in (namespace.strip("/"), turtle, "pose") if part)

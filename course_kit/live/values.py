@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from course_kit.arguments import SPAN, WAIT, takes
 from course_kit.figures import COLOURS, Plot, style, widen
-from course_kit.live.life import Bundle
+from course_kit.live.shown import Bundle
 from course_kit.live.view import LONGEST, LiveView, as_picture
 from course_kit.series import field_paths, value_plots, value_series
 
@@ -12,6 +13,7 @@ KEPT = 20_000  # messages of each topic
 MOST = 1500  # of them in one picture
 
 
+@takes(span=SPAN, period=SPAN, seconds=SPAN, timeout=WAIT)
 def watch_values(
     *paths: str, span: float = 10.0, period: float = PERIOD, seconds: float = LONGEST, timeout: float = 10.0
 ) -> LiveView:
@@ -35,6 +37,7 @@ def watch_values(
             widen(axes)
             axes.set_xlim(max(0.0, now - span), max(span, now))  # the same width of time whatever came
         rows[-1].set_xlabel("time since the start [s]", fontsize=10)
+        plot.description = value_plots.in_words(read.values())
         return as_picture(plot)
 
     return LiveView("values", draw, recording.stop, period, seconds)

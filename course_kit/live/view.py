@@ -1,4 +1,4 @@
-"""Something under a cell that is drawn anew every so often, until it is stopped or its cell is run again."""
+"""A view under a cell: it follows what it shows, until it is stopped or its cell is run again; a still of it stays."""
 
 from __future__ import annotations
 
@@ -6,70 +6,119 @@ import base64
 import html
 import io
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from course_kit import kernel
+from course_kit import html_tables, kernel
 from course_kit.figures import SCREEN_DPI, Plot
-from course_kit.live.life import Bundle, Life, Shown, stop_all
-from course_kit.text import stands_still
+from course_kit.live.life import Life, stop_all
+from course_kit.live.shown import Bundle, Shown
+from course_kit.text import stands_still, table
 
 LONGEST = 600.0  # seconds after which a view that was forgotten ends
+STILL = 5.0  # seconds between two stills behind a widget
 
 
-class LiveView(Life):
-    """Shows what `draw()` returns, a MIME bundle, every `period` seconds. .stop() ends it; the last picture stays."""
+class View(Life):
+    """Something live under the cell that made it. .stop() ends it; the last still stays.
 
-    def __init__(
-        self, what: str, draw: Callable[[], Bundle], close: Callable[[], object], period: float, seconds: float
-    ) -> None:
-        """`what` names the kind of view; `close` is called at the end."""
-        self.what = what
-        self._draw, self._close = draw, close
-        self._period = period
+    A kind of view with a widget keeps that up to date in `_show()`; others show their still anew there.
+    """
+
+    kind = "view"
+
+    def _open(self, period: float, seconds: float = LONGEST, widget: Any = None) -> None:
+        """Show it, in the place of the one of an earlier run of the cell, and begin to live."""
         self._deadline = time.monotonic() + seconds
         self._cell, self._request = kernel.cell()
         stop_all(self._replaces)
-        self._shown = Shown(draw())
-        self._begin(f"live {what}", period)
+        self._kept, self._kept_at = self.still(), time.monotonic()
+        self._shown = Shown(self.kind, self._kept, widget)
+        self._begin(f"live {self.kind}", period)
+
+    def still(self) -> Bundle:
+        """What it shows now, as a text ("text/plain") with a picture or a page."""
+        raise NotImplementedError
+
+    def _keep(self, period: float = STILL) -> None:
+        """Show the present still, unless that was `period` seconds ago or nothing is new."""
+        if time.monotonic() - self._kept_at < period:
+            return
+        self._kept_at = time.monotonic()
+        if (now := self.still()) != self._kept:
+            self._kept = now
+            self._shown.update(now)
+
+    def _close(self) -> None:
+        """Close what it has used."""
 
     def _replaces(self, other: Life) -> bool:
         """Whether another is the same, from an earlier run of the cell."""
-        if not isinstance(other, LiveView) or other._request == self._request:
+        if not isinstance(other, View) or other._request == self._request:
             return False
-        return (other.what, other._cell) == (self.what, self._cell)
+        return (other.kind, other._cell) == (self.kind, self._cell)
 
     def __repr__(self) -> str:
-        return f"<{self.what}, {'live' if self.is_running else 'stopped'}>"
+        return f"<{self.kind}, {'live' if self.is_running else 'stopped'}>"
 
     def _ipython_display_(self) -> None:
         """A cell that ends in a view has shown it already."""
 
-    def _show(self) -> float:
-        start = time.monotonic()
-        self._shown.update(self._draw())
-        if start >= self._deadline:
-            self._ending.set()
-        return max(self._period + start - time.monotonic(), self._period / 4)
-
     def _end(self, error: Exception | None) -> None:
+        last = self._kept
         try:
             if error is None:
-                self._show()
-        except Exception as last:
-            error = last
+                last = self.still()
+        except Exception as failed:
+            error = failed
         if error is not None:
-            self._shown.update(as_text(stands_still(f"The view of {self.what}", error)))
+            last = as_text(stands_still(f"The view of {self.kind}", error))
+        self._shown.end(last)
         self._close()
 
 
+class LiveView(View):
+    """Shows what `draw()` returns, a MIME bundle, every `period` seconds."""
+
+    def __init__(
+        self, kind: str, draw: Callable[[], Bundle], close: Callable[[], object], period: float, seconds: float
+    ) -> None:
+        """`close` is called at the end."""
+        self.kind = kind
+        self._draw, self._close = draw, close  # type: ignore[method-assign, assignment]
+        self._period = period
+        self._open(period, seconds)
+
+    def still(self) -> Bundle:
+        """What it shows now."""
+        return self._draw()
+
+    def _show(self) -> float:
+        start = time.monotonic()
+        self._keep(0.0)
+        return max(self._period + start - time.monotonic(), self._period / 4)
+
+
 def as_text(text: str) -> Bundle:
-    """A table, or other aligned text, as plain text and as HTML in the notebook's own colours; lines do not wrap."""
-    css = "margin:0;overflow-x:auto;white-space:pre"
-    return {"text/plain": text, "text/html": f"<pre class='course-kit-live' style='{css}'>{html.escape(text)}</pre>"}
+    """Words as plain text and as HTML in the notebook's own colours."""
+    return as_tables([text])
+
+
+def as_tables(parts: Sequence[str | Sequence[Sequence[str]]], left: int = 1) -> Bundle:
+    """Words, and tables as rows of cells, below one another; the first `left` columns stand to the left."""
+    css = "margin:0;white-space:pre-wrap"
+    pages = [
+        f"<pre style='{css}'>{html.escape(part)}</pre>" if isinstance(part, str) else html_tables.of_rows(part, left)
+        for part in parts
+    ]
+    return {
+        "text/plain": "\n\n".join(part if isinstance(part, str) else table(part, left) for part in parts),
+        "text/html": f"<div class='course-kit-live'>{'<br>'.join(pages)}</div>",
+    }
 
 
 def as_picture(figure: Plot) -> Bundle:
     """A figure as a picture, drawn at the size at which it is shown: a sharper one takes three times as long."""
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=SCREEN_DPI)
-    return {"image/png": base64.b64encode(picture.getvalue()).decode(), "text/plain": "(a live picture)"}
+    return {"image/png": base64.b64encode(picture.getvalue()).decode(), "text/plain": repr(figure)}

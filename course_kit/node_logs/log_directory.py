@@ -12,10 +12,12 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
+from course_kit.arguments import COUNT, NODE, TEXT, Rule, takes
 from course_kit.launching.output import log_folder
 from course_kit.node_logs.rosout import NUMBERS, LogLine, LogLines, is_of, level_number
 from course_kit.text import table
 
+PROGRAM = Rule("a part of a log file's name, or the id of a process", "'talker'", (str, int), lambda _: True)
 NUMBERS_IN_FILES = NUMBERS | {"CRITICAL": 50}  # a launch has Python's words
 NAME = re.compile(r"(?P<program>.+)_(?P<pid>\d+)_(?P<start>\d{13})\.log")
 # "[INFO] [1795257602.544754480] [talker]: text" of a node, "1795257602.5447 [INFO] [launch]: text" of a launch.
@@ -33,6 +35,7 @@ class LogFile:
     start: float  # seconds since the epoch
     size: int  # bytes
 
+    @takes(node=NODE | None, level=TEXT, last=COUNT | None)
     def lines(self, node: str | None = None, level: str = "DEBUG", last: int | None = None) -> LogLines:
         """Its lines from the lowest `level` on, of all nodes or of one; a message of several lines counts as one."""
         lowest = level_number(level)
@@ -84,6 +87,7 @@ def _short(folder: Path) -> str:
     return f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
 
 
+@takes(program=PROGRAM, last=COUNT)
 def log_files(program: str | int = "", with_empty: bool = False, last: int = 20) -> LogFiles:
     """The newest log files of this user; `log_files()[0].lines()` reads one.
 

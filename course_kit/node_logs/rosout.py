@@ -14,6 +14,8 @@ from typing import Any
 from rcl_interfaces.msg import Log
 from rclpy.serialization import deserialize_message
 
+from course_kit import inks
+from course_kit.arguments import COUNT, NODE, SPAN, TEXT, takes
 from course_kit.spinning import errors
 from course_kit.text import table
 from course_kit.watching import instruments
@@ -51,7 +53,7 @@ _subscription: Any = None
 def collect() -> None:
     """Subscribe to /rosout, if that is not done yet: called before the first node starts, so no line is missed."""
     global _subscription
-    if _subscription is None or _subscription.closed.is_set():
+    if _subscription is None or _subscription.closed.is_set() or instruments.present() is None:
         _subscription = instruments.subscribe("/rosout", _receive, "rcl_interfaces/msg/Log")
 
 
@@ -88,7 +90,7 @@ class LogLines(list[LogLine]):
         return f"<pre class='course-kit-logs'>{''.join(html_line(line) for line in self) or '(no log lines)'}</pre>"
 
 
-COLOURS = {"WARN": "#b58900", "ERROR": "#dc322f", "FATAL": "#dc322f", "DEBUG": "#808080"}
+COLOURS = {"WARN": inks.CAUTION, "ERROR": inks.BAD, "FATAL": inks.BAD, "DEBUG": inks.FAINT}
 
 
 def html_line(line: LogLine) -> str:
@@ -112,6 +114,7 @@ def is_of(line: LogLine, node: str) -> bool:
     return line.node == wanted or line.node.startswith(wanted.rstrip("/") + "/")
 
 
+@takes(node=NODE | None, level=TEXT, last=COUNT, text=TEXT)
 def logs(node: str | None = None, level: str = "INFO", last: int = 20, text: str = "") -> LogLines:
     """The last log lines of every node of this domain, or of one; errors of callbacks are among them.
 
@@ -132,17 +135,20 @@ def logs(node: str | None = None, level: str = "INFO", last: int = 20, text: str
 class LogRates(dict[str, tuple[float, dict[str, int]]]):
     """Lines a second, and lines by level, of each node that logged: `log_rates()['/talker'][0]` is one number."""
 
-    def __repr__(self) -> str:
+    def rows(self) -> list[tuple[str, ...]]:
+        """A table: headings, then a row a node."""
         rows: list[tuple[str, ...]] = [("node", "lines/s", *LEVELS.values())]
         for node, (rate, counts) in sorted(self.items(), key=lambda item: -item[1][0]):
             rows.append((node, f"{rate:.1f}", *(f"{counts.get(level, 0):,}" for level in LEVELS.values())))
-        return table(rows, left=1) if len(rows) > 1 else "(no node has logged anything lately)"
+        return rows
+
+    def __repr__(self) -> str:
+        return table(self.rows()) if self else "(no node has logged anything lately)"
 
 
+@takes(seconds=SPAN)
 def log_rates(seconds: float = 5.0) -> LogRates:
     """How much each node logged in the last `seconds`: lines a second, and how many of each level."""
-    if seconds <= 0:
-        raise ValueError(f"seconds={seconds:g} is no span of time: give more than 0")
     now = time.time()
     collect()
     with _lock:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, wait
 from pathlib import Path
 
+from course_kit.arguments import SIGNAL, TEXT, WAIT, takes
 from course_kit.programs.orphans import Watch, end_all, marked, with_mark
 from course_kit.programs.process_output import as_seen, open_terminal, read_lines
 
@@ -107,16 +108,19 @@ class Process:
         """The same as one text."""
         return "\n".join(self.lines)
 
+    @takes(text=TEXT)
     def says(self, text: str) -> bool:
         """Whether a line with `text` in it has come."""
         return any(text in line for line in self.lines)
 
+    @takes(number=SIGNAL)
     def send_signal(self, number: int) -> None:
         """Send a signal to it and to what it started, as a terminal does for Ctrl-C; nothing if it has ended."""
         if self._popen.poll() is None:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(self.pid, number)
 
+    @takes(patience=WAIT)
     def stop(self, patience: float = PATIENCE) -> int:
         """End it as Ctrl-C does (SIGINT), after `patience` seconds with SIGTERM, then with SIGKILL; return its status.
 
@@ -131,12 +135,15 @@ class Process:
         if self._popen.poll() is not None:
             return
         self.stopped = True
-        for number, timeout in ((signal.SIGINT, patience), (signal.SIGTERM, patience), (signal.SIGKILL, KILL_TIMEOUT)):
+        # Twice: rclpy's executor misses one that comes just as it begins to wait, and would wait on for ever.
+        interrupts = [(signal.SIGINT, patience / 2)] * 2
+        for number, timeout in (*interrupts, (signal.SIGTERM, patience), (signal.SIGKILL, KILL_TIMEOUT)):
             self.send_signal(number)
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._popen.wait(timeout)
                 return
 
+    @takes(timeout=WAIT)
     def wait(self, timeout: float) -> int:
         """Wait for its end; return the exit status. TimeoutError if it still runs after `timeout` seconds."""
         if not wait([self._ended], timeout).done:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from queue import SimpleQueue
 
+from course_kit.arguments import COMMAND, ENVIRONMENT, PATH, TEXT, takes
 from course_kit.programs.child_process import KILL_TIMEOUT, PATIENCE, Process, dismiss_watcher
 
 EXIT_PATIENCE = 1.0  # seconds after SIGINT, and again after SIGTERM, when the kernel ends: Jupyter waits for 5 in all
@@ -30,6 +31,7 @@ _processes: dict[str, Process] = {}
 listeners: set[tuple[Listener, Listener]] = set()  # of a start, called in its cell, and of each line and the end
 
 
+@takes(command=COMMAND, name=TEXT | None, environment=ENVIRONMENT | None, folder=PATH | None)
 def start(
     command: str | Sequence[str],
     name: str | None = None,

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from course_kit.arguments import shown
 from course_kit.interface_types import steps, type_name
 from course_kit.recordings.buffers import Serialised
 
@@ -102,10 +103,10 @@ def resolve(message_type: Any, path: str) -> str:
 def _no_field(name: str, done: list[str], type_name: str, fields: dict[str, str]) -> str:
     where = f"{'.'.join(done)} ({type_name})" if done else type_name
     if not fields:
-        return f"{where} has no fields, so there is no {name!r} in it"
+        return f"{where} has no fields, so there is no {shown(name)} in it"
     near = difflib.get_close_matches(name, fields, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
-    return f"{where} has no field {name!r}; it has {', '.join(fields)}.{hint}"
+    return f"{where} has no field {shown(name)}; it has {', '.join(fields)}.{hint}"
 
 
 def nested(type_name: str) -> Any:

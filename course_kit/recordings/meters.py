@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from course_kit.arguments import COUNT, SPAN, WAIT, takes
+from course_kit.long_tasks import long_task
 from course_kit.polling import wait_until
 from course_kit.recordings import fields
 from course_kit.recordings.buffers import Int64s
@@ -105,8 +107,12 @@ class RateMeter(Listening):
 
     def arrivals(self, topic: str) -> tuple[Int64s, Int64s, int]:
         """Receive times (nanoseconds since the epoch) and sizes (bytes) in the window, and how many came in all."""
-        return self._windows[topics.absolute(topic)].arrivals()
+        name = topics.absolute(topic)
+        if name not in self._windows:
+            raise KeyError(f"{name} was not measured; there are {', '.join(self.topics)}")
+        return self._windows[name].arrivals()
 
+    @takes(last=SPAN | None)
     def read(self, last: float | None = None) -> Rates:
         """What was measured up to now: over the last messages of each topic (the window), or the `last` seconds."""
         return Rates({topic: self._read_one(topic, last) for topic in self.topics})
@@ -140,6 +146,7 @@ def _in_order(window: ArrivalWindow) -> tuple[Int64s, Int64s, int]:
     return receive_ns[order], others[order], total
 
 
+@takes(window=COUNT, timeout=WAIT)
 def measure_rates(*wanted: Any, window: int = WINDOW, timeout: float = 10.0) -> RateMeter:
     """Measure topics in the background until .stop(): rate, periods, bandwidth. `.read()` gives the table so far.
 
@@ -151,12 +158,14 @@ def measure_rates(*wanted: Any, window: int = WINDOW, timeout: float = 10.0) -> 
     return RateMeter(topics.look_up(instruments.node(), pairs, timeout), window)
 
 
+@takes(seconds=SPAN, window=COUNT, timeout=WAIT)
 def rates(*wanted: Any, seconds: float = 2.0, window: int = WINDOW, timeout: float = 10.0) -> Rates:
     """Measure topics for some `seconds` and return their rates, periods and bandwidths as a table.
 
     Takes topics, types, `window` and `timeout` as measure_rates() does.
     """
-    with measure_rates(*wanted, window=window, timeout=timeout) as meter:
+    meter = measure_rates(*wanted, window=window, timeout=timeout)
+    with meter, long_task(f"measuring {', '.join(meter.topics)}", seconds):
         time.sleep(seconds)
     return meter.read()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,9 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from course_kit.figures import ABOVE, COLOURS, FAINT, PANEL, Plot, legend, style, widen
+from course_kit.alternative_text import span
+from course_kit.arguments import PLACES, TEXT, takes
+from course_kit.figures import ABOVE, COLOURS, FAINT, INK, PANEL, Plot, legend, style, widen
 from course_kit.recordings.measure import Int64s, rate_over_time
 from course_kit.recordings.meters import RateMeter
 from course_kit.recordings.recording import Recording
@@ -22,13 +25,18 @@ TURTLE = "turtlesim/msg/Pose"
 ARROWS = 14  # along a path
 START: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": PANEL, "markeredgewidth": 2, "zorder": 4}
 END: dict[str, Any] = {"marker": "s", "markersize": 8, "markeredgecolor": PANEL, "zorder": 5}
+GOAL: dict[str, Any] = {"marker": "+", "markersize": 16, "markeredgewidth": 2, "color": INK, "zorder": 6}
 
 
-def plot_pose(recorded: Recording | TopicRecording, title: str | None = None) -> Plot:
+@takes(title=TEXT | None, goals=PLACES)
+def plot_pose(
+    recorded: Recording | TopicRecording, title: str | None = None, goals: Sequence[tuple[float, float]] = ()
+) -> Plot:
     """The path of a robot, and its heading and velocities over time; of several robots if several were recorded.
 
-    Takes recordings of turtlesim/msg/Pose, geometry_msgs/msg/PoseStamped and nav_msgs/msg/Odometry. Raises ValueError
-    for other types and for an empty recording.
+    A cross marks each of the `goals`, which are places (x, y) in metres. Takes recordings of turtlesim/msg/Pose,
+    geometry_msgs/msg/PoseStamped and nav_msgs/msg/Odometry. Raises ValueError for other types and for an empty
+    recording.
     """
     with_pose = _with_pose(recorded)
     tracks = {one.topic: track(one.messages, one.type, one.times, one.stamps) for one in with_pose}
@@ -47,6 +55,8 @@ def plot_pose(recorded: Recording | TopicRecording, title: str | None = None) ->
         angular.plot(of_topic.times, of_topic.angular, color=colour)
     field.plot([], [], **START, markeredgecolor=FAINT, linestyle="", label="start")
     field.plot([], [], **END, markerfacecolor=FAINT, linestyle="", label="end")
+    if len(goals):
+        field.plot(*np.transpose(np.asarray(goals, np.float64)), **GOAL, linestyle="", label="goal")
     heading.set_ylim(-np.pi * 1.1, np.pi * 1.1)
     heading.set_yticks([-np.pi, -np.pi / 2, 0, np.pi / 2, np.pi], ["\u2212π", "\u2212π/2", "0", "π/2", "π"])
     for axes in (linear, angular):
@@ -57,7 +67,25 @@ def plot_pose(recorded: Recording | TopicRecording, title: str | None = None) ->
     else:
         field.set_aspect("equal", adjustable="datalim")
     legend(field, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+    places = ", ".join(f"({x:.2f}, {y:.2f}) m" for x, y in goals)
+    told = [_path_in_words(topic, one) for topic, one in tracks.items()] + ([f"Goals: {places}."] if places else [])
+    plot.description = " ".join(told)
     return plot
+
+
+def _path_in_words(topic: str, of_topic: Track) -> str:
+    x, y, jumps = of_topic.x, of_topic.y, of_topic.jumps
+    length = float(np.hypot(np.diff(x), np.diff(y))[~jumps].sum())
+    jumped = int(jumps.sum())
+    words = [
+        f"Path of {topic}: {of_topic.times[-1] - of_topic.times[0]:.1f} s",
+        f"from ({x[0]:.2f}, {y[0]:.2f}) m to ({x[-1]:.2f}, {y[-1]:.2f}) m",
+        f"{length:.2f} m long" + (f" with {jumped} jump{'s' if jumped > 1 else ''}" if jumped else ""),
+        f"x {span(x, 'm')}, y {span(y, 'm')}",
+        f"heading {of_topic.heading[0]:.2f} rad at the start and {of_topic.heading[-1]:.2f} rad at the end",
+        f"linear velocity {span(of_topic.linear, 'm/s')}, angular velocity {span(of_topic.angular, 'rad/s')}",
+    ]
+    return "; ".join(words) + "."
 
 
 def _with_pose(recorded: Recording | TopicRecording) -> list[TopicRecording]:
@@ -109,6 +137,7 @@ def _draw_turtle_field(axes: Axes) -> None:
     axes.set_aspect("equal")
 
 
+@takes(title=TEXT | None)
 def plot_rates(*measured: Recording | TopicRecording | RateMeter, title: str | None = None) -> Plot:
     """The rate of each topic over time, and how its periods are distributed, one row a topic.
 
@@ -130,7 +159,25 @@ def plot_rates(*measured: Recording | TopicRecording | RateMeter, title: str | N
         _draw_periods(right, receive_ns, colour)
     if silent:
         plot.supxlabel(f"fewer than two messages: {', '.join(silent)}", color=FAINT, fontsize=9)
+    told = [_rate_in_words(name, receive_ns) for name, receive_ns in drawn.items()]
+    plot.description = " ".join(told + [f"{name}: fewer than two messages." for name in silent])
     return plot
+
+
+def _rate_in_words(name: str, receive_ns: Int64s) -> str:
+    edges, hertz = rate_over_time(receive_ns)
+    median, p99, longest = _percentiles(np.diff(receive_ns) * 1e-6)
+    return (
+        f"{name}: {len(receive_ns):,} messages in {edges[-1]:.1f} s, mean {(len(receive_ns) - 1) / edges[-1]:,.4g} Hz, "
+        f"over time {span(hertz, 'Hz')}; periods: median {median:,.3g} ms, 99 % within {p99:,.3g} ms, "
+        f"longest {longest:,.3g} ms."
+    )
+
+
+def _percentiles(periods: npt.NDArray[Any]) -> tuple[float, float, float]:
+    """The median, the 99th percentile and the longest."""
+    median, p99, longest = (float(value) for value in np.percentile(periods, (50, 99, 100)))
+    return median, p99, longest
 
 
 def arrivals_of(measured: tuple[Recording | TopicRecording | RateMeter, ...]) -> dict[str, Int64s]:
@@ -162,7 +209,7 @@ def _draw_rate(axes: Axes, receive_ns: Int64s, colour: str) -> None:
 
 def _draw_periods(axes: Axes, receive_ns: Int64s, colour: str) -> None:
     periods = np.diff(receive_ns) * 1e-6
-    median, p99, longest = (float(value) for value in np.percentile(periods, (50, 99, 100)))
+    median, p99, longest = _percentiles(periods)
     shown = max(1.1 * median, min(longest, 2.5 * p99 - 1.5 * median))
     low = min(periods.min(), 0.9 * median)
     bins = np.linspace(low, shown * 1.0001, 60)

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy.typing as npt
 
+from course_kit.arguments import COUNT, SPAN, WAIT, takes
+from course_kit.long_tasks import long_task
 from course_kit.polling import wait_until
 from course_kit.recordings.buffers import MessageBuffer
 from course_kit.recordings.topic_recording import TopicRecording, table
@@ -89,6 +91,10 @@ class Recording(Listening):
         firsts = [one.receive_ns[0] for one in self if len(one)]
         self.start_ns = int(min(firsts, default=time.time_ns()))
 
+    def _fewest(self) -> int:
+        """How many messages came of the topic that has the fewest."""
+        return min(sum(self._buffer.counts(topic)) for topic in self.topics)
+
     def stop(self) -> Recording:
         """End the recording; what it has stays. Returns itself; safe to call twice."""
         self._end()
@@ -133,6 +139,7 @@ class Recording(Listening):
         return self._only(f"values({path!r})").values(path)
 
 
+@takes(seconds=SPAN | None, count=COUNT | None, keep=COUNT | None, max_bytes=COUNT, timeout=WAIT)
 def record(
     *wanted: Any,
     seconds: float | None = None,
@@ -150,10 +157,6 @@ def record(
     does not come within `timeout` seconds; that error's .recording has what came.
     """
     pairs = topics.with_types(wanted)
-    if count is not None and count < 1:
-        raise ValueError(f"count={count} asks for no message: give 1 or more")
-    if seconds is not None and seconds <= 0:
-        raise ValueError(f"seconds={seconds} leaves no time to record: give more than 0")
     # All types are looked up first, so that recording starts for all topics at once.
     recording = Recording(topics.look_up(instruments.node(), pairs, timeout), max_bytes, keep, count)
     if count is None and seconds is None:
@@ -162,7 +165,12 @@ def record(
     try:
         if seconds is not None:
             recording._start_with_first_message()
-        complete = recording._complete.wait(limit)
+        what = f"recording {', '.join(recording.topics)}"
+        total, unit = (seconds, "s") if count is None else (count, "messages")
+        with long_task(what, total, unit) as task:
+            if count is not None:
+                task.done = recording._fewest
+            complete = recording._complete.wait(limit)
     finally:
         recording.stop()
     if seconds is None and not complete:

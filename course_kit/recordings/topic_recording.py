@@ -10,6 +10,7 @@ import numpy.typing as npt
 from rclpy.serialization import deserialize_message
 
 from course_kit import text
+from course_kit.arguments import TEXT, takes
 from course_kit.recordings import fields
 from course_kit.recordings.buffers import Int64s, Serialised
 from course_kit.watching import topics
@@ -79,6 +80,7 @@ class TopicRecording:
         """The time stamp in each message: float64, seconds, shape (messages,); None if the type has none."""
         return fields.stamps(self.serialised, self.message_type)
 
+    @takes(path=TEXT)
     def values(self, path: str) -> npt.NDArray[Any]:
         """One numeric field of every message, such as 'x' or 'pose.position.x'.
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from course_kit.arguments import TEXT, takes
 from course_kit.figures import ABOVE, COLOURS, FAINT, Plot, legend, style
 from course_kit.recordings import plots
 from course_kit.recordings.topic_recording import TopicRecording
@@ -20,6 +21,7 @@ MOST = 4  # fields of one topic
 LINES: tuple[dict[str, Any], dict[str, Any]] = ({"linewidth": 3.4, "alpha": 0.55}, {"linewidth": 1.5})
 
 
+@takes(title=TEXT | None)
 def plot_comparison(compared: Comparison, title: str | None = None) -> Plot:
     """What both versions published: the paths of topics with a pose, the fields of others, and their differences.
 
@@ -33,6 +35,7 @@ def plot_comparison(compared: Comparison, title: str | None = None) -> Plot:
     rows = [(topic, field) for topic in compared.both for field in _fields(compared, topic)]
     heights = [2.1 if field else 4.2 for _, field in rows]
     plot = Plot(10.4, 0.9 + sum(heights), title or f"{names[0]} and {names[1]}")
+    told = [f"{names[0]} and {names[1]}, tolerance {compared.tolerance:g}."]
     grid = plot.subplots(len(rows), 2, squeeze=False, height_ratios=heights, width_ratios=(1.0, 1.0))
     for (topic, field), (left, right) in zip(rows, grid, strict=True):
         first, second = compared.first[topic], compared.second[topic]
@@ -40,11 +43,21 @@ def plot_comparison(compared: Comparison, title: str | None = None) -> Plot:
         left.set_title(f"{topic}.{field}" if field else topic, fontsize=10, loc="right")
         times = first.times[: len(apart)]
         _draw_difference(right, times, apart, compared.tolerance, "difference" if field else "distance [m]")
+        told.append(_in_words(f"{topic}.{field}" if field else f"The paths of {topic}", times, apart))
     for right in grid[:, 1]:
         right.set_xlabel("time since the start of the bag [s]", fontsize=10)
     legend(grid[0, 0], loc="lower left", bbox_to_anchor=(0.0, 1.08), ncols=2, borderaxespad=0.0)
     plot.align_ylabels(grid[:, 1])
+    plot.description = " ".join(told)
     return plot
+
+
+def _in_words(what: str, times: Float64s, apart: Float64s) -> str:
+    if not np.isfinite(apart).any():
+        return f"{what}: no number to compare."
+    largest = int(np.nanargmax(apart))
+    ends = f"at first {apart[0]:.3g}, at last {apart[-1]:.3g}"
+    return f"{what}: apart by {apart[largest]:.3g} at most, {times[largest]:.2f} s after the start, {ends}."
 
 
 def _fields(compared: Comparison, topic: str) -> list[str]:

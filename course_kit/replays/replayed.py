@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from course_kit import bags
+from course_kit.arguments import DISTANCE, PATH, takes
 from course_kit.node_logs.rosout import LogLines
 from course_kit.recordings.buffers import MessageBuffer
 from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.recordings.topic_recording import table as topic_table
 from course_kit.text import numbered, table
 from course_kit.watching import topics
+from course_kit.whole_files import writing
 
 TOLERANCE = 1e-6
 
@@ -59,14 +62,28 @@ class Replayed(Mapping[str, TopicRecording]):
         took = f" in {self.seconds:.2f} s: {sent}" if sent else ""
         return f"{self.name}, {self.bag_seconds:.1f} s of a bag{took}\n{topic_table(list(self.values()))}"
 
+    @takes(path=PATH)
     def save(self, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
         """Write it into a bag, such as the reference of a regression test; return the bag's path.
 
-        Raises FileExistsError if the folder is there, unless `overwrite` and it is a bag.
+        Raises FileExistsError if the folder is there, unless `overwrite` and it is a bag, which then stays until the
+        new one is whole. Raises NotWritten if nothing can be written there.
         """
+        folder = bags.refuse_what_is_there(path, overwrite)
+        with writing(folder):
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(prefix=f".{folder.name[:40]}-", dir=folder.parent) as work:
+                new = Path(work, folder.name)
+                self._write(new)
+                if folder.exists():
+                    folder.rename(Path(work, "earlier"))
+                new.rename(folder)
+        return Path(path)
+
+    def _write(self, folder: Path) -> None:
         from course_kit.bags.writer import BagWriter
 
-        writer = BagWriter(bags.new_folder(path, overwrite))
+        writer = BagWriter(folder)
         for topic in self.values():
             writer.add_topic(topic.topic, topic.type)
         messages = [
@@ -74,12 +91,16 @@ class Replayed(Mapping[str, TopicRecording]):
             for topic in self.values()
             for when, data in zip(topic.receive_ns, topic.serialised, strict=True)
         ]
-        for when, name, data in sorted(messages, key=lambda one: one[0]):
-            writer.write(name, when, data)
-        writer.close()
-        return Path(path)
+        try:
+            for when, name, data in sorted(messages, key=lambda one: one[0]):
+                writer.write(name, when, data)
+            writer.close()
+        except BaseException:
+            writer.abort()
+            raise
 
 
+@takes(path=PATH)
 def load(path: str | os.PathLike[str]) -> Replayed:
     """What was saved in a bag."""
     from course_kit.bags.files import opened
@@ -151,6 +172,7 @@ def _short(value: Any) -> str:
     return text if len(text) <= 24 else f"{text[:21]}..."
 
 
+@takes(tolerance=DISTANCE)
 def compare(
     first: Replayed | str | os.PathLike[str], second: Replayed | str | os.PathLike[str], tolerance: float = TOLERANCE
 ) -> Comparison:
@@ -159,8 +181,6 @@ def compare(
     Each is what replay() returned, or the bag in which that was saved. Numbers may differ by `tolerance`, in the unit
     of the field; texts must be equal; nan is equal to nan. `assert compare(a, b)` is a regression test.
     """
-    if not tolerance >= 0:
-        raise ValueError(f"tolerance={tolerance} is no distance: give 0 or more")
     return Comparison(_replayed(first), _replayed(second), tolerance)
 
 

@@ -21,7 +21,9 @@ from typing import Any
 from rclpy.node import Node
 
 from course_kit import bags
-from course_kit.bags.files import OpenBag, opened
+from course_kit.arguments import PATH, SPAN, takes
+from course_kit.bags.files import OpenBag
+from course_kit.long_tasks import long_task
 from course_kit.node_logs import rosout
 from course_kit.replays.lockstep import OF_EVERY_NODE, LockStep
 from course_kit.replays.replayed import Replayed
@@ -29,6 +31,7 @@ from course_kit.spinning.executors import refuse_in_callback
 from course_kit.watching import topics
 
 
+@takes(bag=PATH, timeout=SPAN)
 def replay(
     bag: str | os.PathLike[str],
     node: type[Node],
@@ -58,7 +61,7 @@ def replay(
         if wanted is None or topic in wanted:
             replayed.keep(topic, message_type, nanoseconds, data)
 
-    with opened(bag) as messages, closing(LockStep(messages.start, keep, timeout)) as steps:
+    with bags.told(bag) as messages, closing(LockStep(messages.start, keep, timeout)) as steps:
         replayed = Replayed(node.__name__, messages.start)
         steps.make(node, args, kwargs)
         replayed.sent = _send_all(steps, messages, node.__name__, Path(bag).name)
@@ -75,12 +78,14 @@ def _send_all(steps: LockStep, bag: OpenBag, name: str, bag_name: str) -> dict[s
     _check_inputs(steps.subscribes_to(), bag, name, bag_name)
     connections = [one for one in bag.connections if one.topic not in OF_EVERY_NODE]
     sent: Counter[str] = Counter()
-    for connection, nanoseconds, data in bag.messages(connections):
-        if connection.topic in steps.subscribes_to():
-            steps.send(connection, nanoseconds, data)
-            sent[connection.topic] += 1
-        else:
-            steps.advance(nanoseconds)
+    with long_task(f"sending {bag_name} through {name}", (bag.end - bag.start) * 1e-9, "s of the bag") as task:
+        for connection, nanoseconds, data in bag.messages(connections):
+            task.done = (nanoseconds - bag.start) * 1e-9
+            if connection.topic in steps.subscribes_to():
+                steps.send(connection, nanoseconds, data)
+                sent[connection.topic] += 1
+            else:
+                steps.advance(nanoseconds)
     return dict(sent)
 
 

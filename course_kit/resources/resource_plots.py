@@ -7,6 +7,8 @@ from itertools import cycle
 import numpy as np
 from matplotlib.axes import Axes
 
+from course_kit.alternative_text import span
+from course_kit.arguments import TEXT, takes
 from course_kit.figures import COLOURS, FAINT, Plot, legend, style
 from course_kit.recordings.measure import Int64s, rate_over_time
 from course_kit.recordings.meters import RateMeter
@@ -18,6 +20,7 @@ from course_kit.resources.resource_recording import ResourceRecording, Usage
 BESIDE = {"loc": "upper left", "bbox_to_anchor": (1.005, 1.03), "ncols": 1}
 
 
+@takes(title=TEXT | None)
 def plot_resources(
     recorded: ResourceRecording, *measured: Recording | TopicRecording | RateMeter, title: str | None = None
 ) -> Plot:
@@ -49,16 +52,30 @@ def plot_resources(
     rows[-1].set_xlim(0, max((max(ends) - recorded.start_ns) * 1e-9, 1e-3))
     rows[-1].set_xlabel("time since the start [s]", fontsize=10)
     plot.align_ylabels()
+    told = [_in_words(one) for one in usages]
+    told += [f"{name}: {span(rate_over_time(receive_ns)[1], 'Hz')}." for name, receive_ns in arrivals.items()]
+    plot.description = " ".join(told)
     return plot
+
+
+def _name(usage: Usage) -> str:
+    if usage.is_thread:
+        return f"thread of {usage.label}"
+    return usage.label if len(usage.nodes) != 1 else f"{usage.nodes[0]} ({usage.pid})"
+
+
+def _in_words(usage: Usage) -> str:
+    cpu = f"CPU {span(usage.cpu, '% of a core')}, {np.nanmean(usage.cpu):.3g} % in the mean"
+    memory = "" if usage.is_thread else f", memory {span(usage.memory, 'MB')}"
+    return f"{_name(usage)}: {cpu}{memory}."
 
 
 def _draw(cpu: Axes, memory: Axes, usage: Usage, colour: str, start_ns: int) -> None:
     seconds = (usage.when_ns - start_ns) * 1e-9
-    name = usage.label if len(usage.nodes) != 1 or usage.is_thread else f"{usage.nodes[0]} ({usage.pid})"
     if usage.is_thread:
-        cpu.plot(seconds, usage.cpu, color=colour, linewidth=1.4, linestyle="--", label=f"thread of {name}")
+        cpu.plot(seconds, usage.cpu, color=colour, linewidth=1.4, linestyle="--", label=_name(usage))
         return
-    cpu.plot(seconds, usage.cpu, color=colour, linewidth=1.7, label=name)
+    cpu.plot(seconds, usage.cpu, color=colour, linewidth=1.7, label=_name(usage))
     memory.plot(seconds, usage.memory, color=colour, linewidth=1.7)
 
 

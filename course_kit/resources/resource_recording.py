@@ -18,7 +18,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import psutil  # type: ignore[import-untyped]
 
+from course_kit.arguments import NODE, SPAN, takes
 from course_kit.background import running
+from course_kit.long_tasks import long_task
 from course_kit.recordings.measure import Float64s, Int64s
 from course_kit.resources.processes_with_nodes import NOTEBOOK, NodeProcess, node_processes
 from course_kit.spinning import context
@@ -175,6 +177,7 @@ class ResourceRecording(Mapping[str, Usage], AbstractContextManager["ResourceRec
     def __exit__(self, *_: object) -> None:
         self.stop()
 
+    @takes(node=NODE)
     def of(self, node: str) -> Usage:
         """What the process or thread of one node used. KeyError names those that are known."""
         name = "/" + node.strip("/")
@@ -201,19 +204,26 @@ class ResourceRecording(Mapping[str, Usage], AbstractContextManager["ResourceRec
         return len(self._sampler.meters)
 
     def __repr__(self) -> str:
+        return "\n".join([table(self.rows(), left=2), *self.notes()])
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """A table: headings, then a row a process or thread; its first two columns are names."""
         rows: list[tuple[str, ...]] = [("process", "nodes", "CPU mean", "max", "last", "memory", "grew")]
         for one in self._usages():
             name = f"  thread of {one.label}" if one.is_thread else one.label
             nodes = "" if one.is_thread else _short(one.nodes)
             rows.append((name, nodes, *_cells(one)))
-        lines = [table(rows, left=2)]
+        return rows
+
+    def notes(self) -> list[str]:
+        """What could not be measured, and why."""
         by_reason: dict[str, list[str]] = defaultdict(list)
         for unknown in self._sampler.without_pid:
             by_reason[unknown.program] += unknown.nodes
-        lines += [f"{reason}: {', '.join(names)}" for reason, names in by_reason.items()]
+        lines = [f"{reason}: {', '.join(names)}" for reason, names in by_reason.items()]
         if self._sampler.error is not None:
             lines.append(stands_still("This recording", self._sampler.error))
-        return "\n".join(lines)
+        return lines
 
 
 def _short(names: tuple[str, ...]) -> str:
@@ -229,6 +239,7 @@ def _cells(usage: Usage) -> tuple[str, ...]:
     return (*cpu, f"{usage.memory[-1]:.0f} MB", f"{usage.memory[-1] - usage.memory[0]:+.1f} MB")
 
 
+@takes(seconds=SPAN | None, period=SPAN)
 def record_resources(seconds: float | None = None, period: float = PERIOD) -> ResourceRecording:
     """Record CPU and memory of all processes with ROS nodes until .stop(), or for some `seconds`.
 
@@ -237,10 +248,9 @@ def record_resources(seconds: float | None = None, period: float = PERIOD) -> Re
     """
     if period < 0.05:
         raise ValueError(f"period={period:g} is too short: the system counts CPU in steps of 0.01 s, give 0.05 or more")
-    if seconds is not None and seconds <= 0:
-        raise ValueError(f"seconds={seconds:g} leaves no time to measure: give more than 0")
     recording = ResourceRecording(period)
     if seconds is not None:
-        recording._sampler.ending.wait(seconds)
+        with long_task("recording CPU and memory", seconds):
+            recording._sampler.ending.wait(seconds)
         recording.stop()
     return recording

@@ -13,6 +13,7 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
+from course_kit.ending.signals import asking_to_end
 from course_kit.programs.orphans import Watch, with_mark
 from course_kit.programs.process_output import read_lines
 from course_kit.ros2.session import DurationOver, Session, handling
@@ -26,26 +27,27 @@ END_TIMEOUT = 20.0  # seconds for a program to end once it was interrupted; a la
 def run_in_terminal(cmd: Sequence[str]) -> int:
     """Run a program on this terminal; return its exit status, negative for a signal.
 
-    Ctrl-C reaches it by itself, as it shares the process group; SIGTERM, and a SIGINT for this process alone, are
-    passed on.
+    Ctrl-C reaches it by itself, as it shares the process group; SIGTERM, SIGHUP, and a SIGINT for this process alone,
+    are passed on. If this process is killed, it ends too, with all that it started.
     """
-    watch = None if _is_in_foreground() else Watch()
-    process = _started(cmd)
+    watch, in_foreground = Watch(), _is_in_foreground()
 
     def pass_on(number: int, _: FrameType | None) -> None:
         process.send_signal(number)  # does nothing once it has ended
 
     try:
-        with handling(signal.SIGTERM, pass_on):
+        process = _started(cmd, env=with_mark(os.environ, watch.token))
+        with contextlib.ExitStack() as handlers:
+            for number in asking_to_end():
+                handlers.enter_context(handling(number, pass_on))
             while True:
                 try:
                     return process.wait()
                 except KeyboardInterrupt:
-                    if watch is not None and not watch.whole_group_was_interrupted():
+                    if not (in_foreground or watch.whole_group_was_interrupted()):
                         process.send_signal(signal.SIGINT)
     finally:
-        if watch is not None:
-            watch.dismiss()
+        watch.dismiss()
 
 
 def _is_in_foreground() -> bool:

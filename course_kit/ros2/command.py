@@ -13,8 +13,10 @@ from types import FrameType
 from typing import NoReturn
 
 from course_kit.ending.exit_timer import ExitTimer
+from course_kit.ending.signals import asking_to_end
+from course_kit.long_tasks import long_task
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import CommandError, Verb, flag
+from course_kit.ros2.verbs import CommandError, Verb, cut, flag
 
 COMMANDS = {
     "action": "send goals, and see who offers actions",
@@ -35,9 +37,14 @@ END_TIMEOUT = 3.0  # seconds for leaving the graph
 DESCRIPTION = "What runs on ROS 2 here: look at it, try it, start it."
 
 
+class _Parser(ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        super().error(cut(message))
+
+
 def parser_for(words: Sequence[str]) -> ArgumentParser:
     """The parser of a command line: complete for the command and the verb that it names, a line for each other."""
-    parser = ArgumentParser(prog="ros2", description=DESCRIPTION, formatter_class=RawDescriptionHelpFormatter)
+    parser = _Parser(prog="ros2", description=DESCRIPTION, formatter_class=RawDescriptionHelpFormatter)
     flag("--use-python-default-buffering", "do not write each line at once where the output is no terminal")(parser)
     named = [word for word in words if not word.startswith("-")]
     parsers = _subparsers(parser, COMMANDS, named)
@@ -83,20 +90,24 @@ def _subparsers(
 def run(words: Sequence[str]) -> int:
     """Run a command line; return its exit status. A wrong one exits with usage on stderr (SystemExit 2)."""
     parser = parser_for(words)
+    for word in words:
+        if "\0" in word or any("\ud800" <= character <= "\udfff" for character in word):
+            parser.error(f"{word!a} is no text of ROS, whose names and strings are UTF-8 without NUL")
     args = parser.parse_args(words)
     if args.verb is None:
         args.named.print_help()
         return 0
     session = Session(args)
     try:
-        return args.verb.run(args, session) or 0
+        with long_task(lambda: f"ros2 {' '.join(words)}", getattr(args, "duration", None)):
+            return args.verb.run(args, session) or 0
     except DurationOver:
         return 0
     except KeyboardInterrupt:
         return int(signal.SIGINT)
     except CommandError as error:
         if str(error):
-            session.warn(str(error))
+            session.warn(cut(str(error)))
         if error.suggestion:
             session.warn(error.suggestion)
         return error.status
@@ -109,7 +120,8 @@ def main() -> NoReturn:
     words = sys.argv[1:]
     if "--use-python-default-buffering" not in words:
         sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
-    signal.signal(signal.SIGTERM, _terminate)
+    for number in asking_to_end():
+        signal.signal(number, _terminate)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # also in a shell's background, where it is ignored
     try:
         status = run(words)
@@ -128,9 +140,9 @@ def _terminate(number: int, frame: FrameType | None) -> NoReturn:
 def _end(status: int) -> NoReturn:
     """Leave the graph, then the process, without waiting for what Python tidies up at its end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not keep the node in the graph
-    with contextlib.suppress(BrokenPipeError):
+    with contextlib.suppress(OSError):  # its reader, or its terminal, has gone
         sys.stdout.flush()
-    sys.stderr.flush()
+        sys.stderr.flush()
     if "course_kit.spinning.context" in sys.modules:
         ExitTimer(END_TIMEOUT, status)
         sys.modules["course_kit.spinning.context"].stop()

@@ -31,7 +31,7 @@ def ros2(line: str) -> None:
     try:
         words = shlex.split(line)
     except ValueError as error:
-        print(f'ros2: {error}: a quote is open. Write YAML in double quotes: "{{linear: {{x: 2.0}}}}"')
+        print(f'ros2: {error}: write YAML in double quotes, and a backslash twice: "{{linear: {{x: 2.0}}}}"')
         return
     with contextlib.suppress(SystemExit):  # argparse has printed the usage or the help
         command.run(words)

@@ -13,6 +13,7 @@ from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ending.signals import put_off
 from course_kit.kernel import in_kernel
 from course_kit.polling import wait_until
 
@@ -76,7 +77,8 @@ class Session:
 
         if not self.in_notebook:
             instruments.appear_as("_ros2cli", with_rosout=True)
-        return instruments.node()
+        with put_off():
+            return instruments.node()
 
     @contextlib.contextmanager
     def own_node(self, name: str, **settings: bool) -> Iterator[Node]:

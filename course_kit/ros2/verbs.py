@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import os
+import re
+import stat
+import warnings
 from argparse import SUPPRESS, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -17,6 +21,10 @@ if TYPE_CHECKING:
 Arguments = Callable[[Any], object]  # adds arguments to a parser, or to a group of one
 Found = TypeVar("Found")
 Number = TypeVar("Number", int, float)
+
+LARGEST = 2**63 - 1  # what an integer of ROS holds
+LONGEST = 9e9  # seconds: a time of ROS counts nanoseconds in such an integer
+LONGEST_TEXT = 2000  # characters of a message, which repeats what was typed
 
 
 class Verb:
@@ -52,6 +60,14 @@ def one_line(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
+def cut(text: str) -> str:
+    """A message, without the middle of it if it is very long."""
+    if len(text) <= LONGEST_TEXT:
+        return text
+    half = LONGEST_TEXT // 2
+    return f"{text[:half]} [... {len(text) - 2 * half} characters ...] {text[-half:]}"
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """A line that suggests the known name nearest to `name`, or None if none is near."""
     candidates = sorted(set(known) - {name})
@@ -68,6 +84,24 @@ def look_up(look: Callable[[str], Found], name: str, message: str = "Package '{}
         return look(name)
     except LookupError as reason:
         raise CommandError(message.format(name, reason), did_you_mean(name, packages.package_names())) from None
+
+
+def compiled(pattern: str, refusal: str = "'{}' is no regular expression: {}") -> re.Pattern[str]:
+    """A regular expression; a failure of the verb if the text is none."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of what a later Python may read otherwise
+            return re.compile(pattern)
+    except (re.error, OverflowError, RecursionError) as error:
+        raise CommandError(refusal.format(pattern, error)) from None
+
+
+def refuse_device(path: str) -> None:
+    """A failure of the verb for a device such as /dev/zero, which may be read without end; a pipe is none."""
+    with contextlib.suppress(OSError):
+        mode = os.stat(path).st_mode
+        if stat.S_ISCHR(mode) or stat.S_ISBLK(mode):
+            raise CommandError(f"'{path}' is a device: give a file")
 
 
 def argument(names: str, help: str, offer: Callable[..., list[str]] | None = None, **settings: Any) -> Arguments:
@@ -99,19 +133,30 @@ def one_of(*arguments: Arguments) -> Arguments:
     return lambda parser: all_of(*arguments)(parser.add_mutually_exclusive_group())
 
 
-def number(kind: Callable[[str], Number], is_valid: Callable[[Number], bool], refusal: str) -> Callable[[str], Number]:
-    """A type of argparse: a number that `is_valid`; `refusal` is what the real command says of another text."""
+def number(
+    kind: Callable[[str], Number], is_valid: Callable[[Number], bool], refusal: str, largest: float = LARGEST
+) -> Callable[[str], Number]:
+    """A type of argparse: a number that `is_valid`, finite and not above `largest`.
+
+    `refusal` is what the real command says of another text; it takes infinity and nan, and what comes of them.
+    """
 
     def convert(text: str) -> Number:
+        hint = ""
         with contextlib.suppress(ValueError):
-            if is_valid(value := kind(text)):
+            value = kind(text)
+            if not abs(value) <= largest:  # nan is neither
+                hint = f" (finite, at most {largest:g})"
+            elif is_valid(value):
                 return value
-        raise ArgumentTypeError(refusal.format(text))
+        raise ArgumentTypeError(refusal.format(text) + hint)
 
     return convert
 
 
-positive_float = number(float, lambda value: value > 0, "invalid positive_float value: {!r}")
+positive_float = number(float, lambda value: value > 0, "invalid positive_float value: {!r}", LONGEST)
+seconds = number(float, lambda value: value >= 0, "invalid float value: {!r}: write seconds, 0 or more", LONGEST)
+whole = number(int, lambda value: value >= 0, "invalid int value: {!r}: write a whole number, 0 or more")
 
 
 def yaml_values(name: str, example: str) -> Arguments:
@@ -123,12 +168,12 @@ def yaml_values(name: str, example: str) -> Arguments:
 def duration(parser: Any) -> None:
     """The course's own option of verbs that go on until they are interrupted; a terminal's usage does not name it."""
     shown = "end after S seconds" if in_kernel() else SUPPRESS
-    parser.add_argument("--duration", type=float, default=None, metavar="S", help=shown)
+    parser.add_argument("--duration", type=seconds, default=None, metavar="S", help=shown)
 
 
 # The options of verbs that have a node of their own, and of those that read the graph.
 NODE = all_of(
-    argument("--spin-time", "look for others for so many seconds; without it until all are known", type=float),
+    argument("--spin-time", "look for others for so many seconds; without it until all are known", type=seconds),
     flag("-s --use-sim-time", "take the time from /clock"),
 )
 GRAPH = all_of(NODE, flag("--no-daemon", "accepted: there is no daemon here"))

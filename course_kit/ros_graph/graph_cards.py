@@ -120,7 +120,7 @@ def _channel_card(channel: Channel, split: list[Part], group: str, detailed: boo
         kind = part.type if detailed else part.type.rpartition("/")[2]
         rows = [(name, NAME, "name")]
         if detailed:
-            lines = [kind, *(_qos_lines(part) if channel.kind == "topic" else ())]
+            lines = [kind, *(qos_lines(part) if channel.kind == "topic" else ())]
             rows += [(line, SMALL, "detail") for line in lines]
         if note and n == 0 and (detailed or not is_unheard):  # that nobody listens the end of the line says too
             rows.append((note, SMALL, "detail" if is_unheard else "trouble"))
@@ -149,7 +149,7 @@ def _missing_side(channel: Channel) -> str:
     return "" if channel.sinks else f"no {sink}"
 
 
-def _qos_lines(part: Part) -> list[str]:
+def qos_lines(part: Part) -> list[str]:
     """The QoS of a part in words: one line if all ends agree, else what is offered and what is asked for."""
     offered, asked = (" or ".join(sorted({qos_words(e.qos) for e in ends})) for ends in (part.sources, part.sinks))
     if offered == asked or not (offered and asked):

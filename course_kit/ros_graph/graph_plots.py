@@ -14,8 +14,9 @@ from matplotlib.patches import FancyBboxPatch, PathPatch, Polygon, Rectangle
 from matplotlib.path import Path
 from rclpy.node import Node
 
+from course_kit.arguments import NAMESPACE, NODE
 from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot
-from course_kit.ros_graph import discovery, graph, matching
+from course_kit.ros_graph import discovery, graph, graph_words
 from course_kit.ros_graph.graph_cards import NAME, PAD_X, Card, Wire, cards
 from course_kit.ros_graph.graph_data import Snapshot
 from course_kit.ros_graph.graph_layout import lay_out
@@ -35,7 +36,7 @@ LOOKS = {
     "node": ("#dcebf7", COLOURS[0]),
     "topic": (PANEL, "#8a8a84"),
     "service": ("#dff3ea", COLOURS[2]),
-    "action": ("#f9e8f1", COLOURS[3]),
+    "action": ("#f9e8f1", "#c0609b"),
 }
 INKS = {"name": INK, "detail": FAINT, "trouble": TROUBLE_INK}
 
@@ -75,8 +76,7 @@ def look(
     parameters: bool = False,
 ) -> Snapshot:
     """The graph as the node `watching` sees it now, as data; the rest is what plot_graph() takes."""
-    if namespace is not None and not isinstance(namespace, str):
-        raise TypeError(f"namespace is text such as '/robot1', not {type(namespace).__name__}")
+    (NAMESPACE | None).check("namespace", namespace)
     within = None if namespace is None else "/" + namespace.strip("/")
     there = graph.snapshot(watching, hidden, services, actions).around(_full_name(node), within)
     if parameters:
@@ -90,6 +90,7 @@ def _full_name(node: Any) -> str | None:
     if node is None:
         return None
     if isinstance(node, str):
+        NODE.check("node", node)
         return graph.NodeName.of(node).full_name
     if hasattr(node, "get_fully_qualified_name"):
         return str(node.get_fully_qualified_name())
@@ -100,7 +101,7 @@ def draw_graph(shown: Snapshot) -> Plot:
     """The picture of a graph that is given as data."""
     made, wires, titles = cards(shown, text_width)
     layout = lay_out([card.box for card in made], [wire.line for wire in wires], titles)
-    heading = _heading(shown)
+    heading = graph_words.heading(shown)
     legend = _legend(made, wires)
     of_legend = sum(SWATCH + 0.3 + text_width(name, 8) for name, _ in legend)
     wide = max(layout.width, text_width(heading, 12, True), of_legend, NARROWEST - 2 * MARGIN)
@@ -125,6 +126,7 @@ def draw_graph(shown: Snapshot) -> Plot:
     if not shown.nodes:
         _write(axes, width / 2 - left, layout.height, "no node runs in this domain", 10, FAINT, ha="center")
     _draw_legend(axes, legend, MARGIN - left, layout.height + FOOT)
+    plot.description = graph_words.in_words(shown)
     return plot
 
 
@@ -135,15 +137,6 @@ def text_width(text: str, size: float, bold: bool = False) -> float:
     font.set_size(size, 72)
     font.set_text(text, 0.0, flags=LoadFlags.NO_HINTING)
     return float(font.get_width_height()[0]) / 64 / 72
-
-
-def _heading(shown: Snapshot) -> str:
-    counts = [(sum(node.count for node in shown.nodes), "node")]
-    counts += [(len(some), name) for some, name in ((shown.topics, "topic"), (shown.services, "service"))]
-    counts.append((len(shown.actions), "action"))
-    text = ", ".join(f"{n} {name}{'s' if n != 1 else ''}" for n, name in counts if n or name in ("node", "topic"))
-    broken = sum(1 for channel in shown.channels if matching.explanations(channel))
-    return text + (f"  ·  {broken} with ends that do not match" if broken else "")
 
 
 def _write(axes: Axes, x: float, y: float, text: str, size: float, colour: str, **how: Any) -> None:

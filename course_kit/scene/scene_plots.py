@@ -12,6 +12,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
+from course_kit.alternative_text import span
+from course_kit.arguments import TEXT, WAIT, takes
 from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot, style
 from course_kit.recordings.recording import Recording, record
 from course_kit.recordings.topic_recording import TopicRecording
@@ -27,6 +29,7 @@ X_AXIS, Y_AXIS = "#c0392b", "#1e8449"  # of frames: red and green as everywhere 
 ORDER = {"grid": 0, "scan": 1, "points": 2, "path": 3, "poses": 4}
 
 
+@takes(frame=TEXT | None, title=TEXT | None, timeout=WAIT)
 def plot_scene(
     *shown: Any, frame: str | None = None, title: str | None = None, timeout: float = 5.0, **named: Any
 ) -> Plot:
@@ -98,7 +101,46 @@ def draw_scene(placed: Scene, title: str | None = None) -> Plot:
     plot.set_figheight(drawn_height + 0.6 + 0.2 * (rows + len(placed.notes)) + (0.3 if title else 0.0))
     if placed.notes:
         plot.supxlabel("\n".join(placed.notes), color="#a8320a", fontsize=9, x=0.02, ha="left")
+    plot.description = _in_words(placed)
     return plot
+
+
+def _in_words(placed: Scene) -> str:
+    told = [f"Seen from above, in frame '{placed.frame}'." if placed.frame else "Seen from above."]
+    told += [f"{one.label}: {_layer_in_words(one)}." for one in placed.layers]
+    for name, place in placed.axes.items():
+        turned = np.arctan2(place[1, 0], place[0, 0])
+        told.append(f"Frame '{name}' is at ({place[0, 3]:.2f}, {place[1, 3]:.2f}) m, turned by {turned:.2f} rad.")
+    return " ".join([*told, *(f"{note}." for note in placed.notes)])
+
+
+def _layer_in_words(one: Layer) -> str:
+    if one.cells is not None:
+        height, width = one.cells.shape
+        known = one.cells[(one.cells >= 0) & (one.cells <= 100)]
+        share = 100 * (known > 50).sum() / one.cells.size, 100 * (known <= 50).sum() / one.cells.size
+        return (
+            f"a map of {width} by {height} cells of {one.resolution:g} m, {_extent(one.points)}, "
+            f"{share[0]:.0f} % occupied, {share[1]:.0f} % free, the rest unknown"
+        )
+    if one.kind == "scan":
+        away = np.hypot(*(one.points[:, :2] - one.poses[0][:2, 3]).T)
+        return f"a scan with {len(away)} hits" + (f", {span(away, 'm')} away" if len(away) else "")
+    if not len(one.points):
+        return "empty"
+    if one.kind == "poses":
+        turned = np.arctan2(one.poses[:, 1, 0], one.poses[:, 0, 0])
+        what = "a pose" if len(one.poses) == 1 else f"{len(one.poses)} poses"
+        return f"{what}, {_extent(one.points)}, heading {span(turned, 'rad')}"
+    if one.kind == "path":
+        (x0, y0), (x1, y1) = one.points[[0, -1], :2]
+        length = np.hypot(*np.diff(one.points[:, :2], axis=0).T).sum()
+        return f"a path from ({x0:.2f}, {y0:.2f}) m to ({x1:.2f}, {y1:.2f}) m, {length:.2f} m long"
+    return f"{len(one.points)} point{'s' if len(one.points) != 1 else ''}, {_extent(one.points)}"
+
+
+def _extent(points: Float64s) -> str:
+    return f"x {span(points[:, 0], 'm')}, y {span(points[:, 1], 'm')}"
 
 
 def _draw_grid(axes: Axes, grid: Layer) -> list[Patch]:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from course_kit.arguments import is_text, shown
 from course_kit.interface_types import Step, steps, type_name
 from course_kit.recordings.fields import NUMBERS, element_type, nested
 
@@ -37,6 +38,8 @@ def parse(path: str) -> FieldPath:
     if not isinstance(path, str):
         raise TypeError(f"a path is a text such as '/turtle1/pose.x', not {type(path).__name__}")
     topic, _, field = path.strip().partition(".")
+    if not topic.strip("/") or not is_text(path):
+        raise ValueError(f"{shown(path)} is no path of a number: write it like '/turtle1/pose.x'")
     return FieldPath(topic if topic.startswith("/") else f"/{topic}", field)
 
 

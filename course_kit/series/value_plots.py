@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from course_kit.alternative_text import span
+from course_kit.arguments import SPAN, TEXT, takes
 from course_kit.figures import ABOVE, COLOURS, FAINT, Plot, legend, style, widen
 from course_kit.series.value_series import Series, Source, Values, values
 
 DOTS = 60  # with fewer messages each is drawn as a dot too
 
 
+@takes(seconds=SPAN, title=TEXT | None)
 def plot_values(
     *what: Values | str,
     source: Source | None = None,
@@ -40,7 +44,23 @@ def plot_values(
         widen(axes)
         if together:
             legend(axes, **ABOVE)
+    plot.description = in_words(drawn)
     return plot
+
+
+def in_words(drawn: Iterable[Series]) -> str:
+    """What a picture of series shows: of each how many messages came, in which time, first, last and extreme values."""
+    return " ".join(_in_words(one) for one in drawn)
+
+
+def _in_words(series: Series) -> str:
+    if not np.isfinite(series.values).any():
+        return f"{series.path}: no number came."
+    first, last = series.times[[0, -1]]
+    return (
+        f"{series.path}: {len(series):,} message{'s' if len(series) != 1 else ''} from {first:.1f} s to {last:.1f} s, "
+        f"{span(series.values)}, at first {series.values[0]:.4g}, at last {series.values[-1]:.4g}."
+    )
 
 
 def _series(what: tuple[Values | str, ...], source: Source | None, seconds: float) -> list[Series]:

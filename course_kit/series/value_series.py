@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import io
 import itertools
 import math
 import os
@@ -21,6 +22,7 @@ import numpy.typing as npt
 from rclpy.node import Node
 
 from course_kit import bags
+from course_kit.arguments import PATH, SPAN, WAIT, shown, takes
 from course_kit.polling import wait_until
 from course_kit.recordings.buffers import Int64s
 from course_kit.recordings.recording import Recording, record
@@ -29,6 +31,7 @@ from course_kit.series import field_paths
 from course_kit.series.field_paths import FieldPath, Reader
 from course_kit.text import table
 from course_kit.watching import instruments, topics
+from course_kit.whole_files import write_whole
 
 Source = Recording | TopicRecording | str | os.PathLike[str]
 
@@ -60,7 +63,7 @@ class Values(Mapping[str, Series]):
     def __getitem__(self, path: str) -> Series:
         name = str(field_paths.parse(path))
         if name not in self._series:
-            raise KeyError(f"{name} was not read; there are {', '.join(self._series)}")
+            raise KeyError(f"{shown(name)} was not read; there are {', '.join(self._series)}")
         return self._series[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -79,6 +82,7 @@ class Values(Mapping[str, Series]):
         return table(rows, left=1)
 
 
+@takes(seconds=SPAN, timeout=WAIT)
 def values(*paths: str, source: Source | None = None, seconds: float = 2.0, timeout: float = 10.0) -> Values:
     """Numbers over time by their paths, such as '/turtle1/pose.x', '/scan.ranges[0]', '/imu.orientation.w'.
 
@@ -103,6 +107,7 @@ def record_live(wanted: list[FieldPath], timeout: float, **how: Any) -> Recordin
     """
     node = instruments.node()
     for path in wanted:
+        topics.absolute(path.topic)
         if not path.field:  # '/turtle1/pose/x', as PlotJuggler writes it
             _refuse_slashes(path, _names_with(node, path.topic, timeout))
     types = topics.look_up(node, topics.with_types([path.topic for path in wanted]), timeout)
@@ -195,11 +200,12 @@ def _check_topics(wanted: list[FieldPath], there: Mapping[str, Any], where: str)
         raise ValueError(f"{where} has no topic {path.topic}; it has {', '.join(sorted(there)) or 'none'}.{hint}")
 
 
+@takes(file=PATH)
 def save_csv(read: Values, file: str | os.PathLike[str]) -> Path:
     """Write values into a CSV file, one column a path, one line for each moment at which a message came.
 
     The first column is `time`, seconds since the start. A cell is empty where its topic had no message at that moment.
-    Returns the file's path.
+    Returns the file's path. An earlier file stays until the new one is whole. Raises NotWritten.
     """
     if not isinstance(read, Values):
         raise TypeError(f"save_csv() writes what values() returned, not {type(read).__name__}")
@@ -207,13 +213,13 @@ def save_csv(read: Values, file: str | os.PathLike[str]) -> Path:
     moments = sorted({moment for column in columns for moment in column})
     start_ns = min((one.start_ns for one in read.values()), default=0)
     place = Path(file)
-    with place.open("w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(["time", *read])
-        for moment in moments:
-            row = [column.get(moment) for column in columns]
-            writer.writerow([f"{(moment[0] - start_ns) * 1e-9:.9f}", *("" if v is None else repr(v) for v in row)])
-    return place
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["time", *read])
+    for moment in moments:
+        row = [column.get(moment) for column in columns]
+        writer.writerow([f"{(moment[0] - start_ns) * 1e-9:.9f}", *("" if v is None else repr(v) for v in row)])
+    return write_whole(place, out.getvalue().encode())
 
 
 def _moments(receive_ns: Int64s) -> Iterator[tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""Has action clients keep an answer that comes before they have noted their request down."""
+"""Has action clients keep an answer that comes before they have noted their request down, and tell of feedback."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from course_kit.internals import going_on_without, rclpy_parts
 # An action client sends a request first and notes it down then. Where a cell sends and another thread spins, the answer
 # can come in between: it is dropped as unexpected, and the future stays open for ever. A Client has a lock against it.
 _sends = threading.RLock()
+# What is called with the id of a goal and its feedback, whether its client has a callback for it or not.
+feedback_listeners: set[Callable[[bytes, Any], None]] = set()
 
 
 def keep() -> None:
@@ -34,11 +36,14 @@ def _sending(request: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _after_sending(execute: Callable[..., Any]) -> Callable[..., Any]:
-    """ActionClient.execute(), after what is being sent."""
+    """ActionClient.execute(), after what is being sent; listeners hear of feedback."""
 
     async def guarded(self: ActionClient, taken_data: Any) -> None:
         with _sends:
             pass
+        if feedback := taken_data.get("feedback"):
+            for listener in list(feedback_listeners):
+                listener(bytes(feedback.goal_id.uuid), feedback.feedback)
         await execute(self, taken_data)
 
     return guarded

@@ -12,10 +12,13 @@ import rclpy
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
+from course_kit.ending import shared_memory
+
 # Callbacks run outside any cell, so nothing they log may go to a cell's output: logs travel over /rosout alone.
 ARGUMENTS = ["--ros-args", "--disable-external-lib-logs", "--disable-stdout-logs"]
 
 # What says which machines a context speaks with.
+DOMAIN = "ROS_DOMAIN_ID"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 REACH = (RANGE, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")
 
@@ -23,6 +26,7 @@ _lock = threading.RLock()
 _ending = threading.RLock()  # not _lock: threads that end use ROS to the last, and ask for it by start()
 _starts = 0
 _owner = 0
+_domain_given: int | None = None  # to rclpy.init(): else it is that of the environment
 _closers: list[Callable[[], None]] = []
 _plain_init = rclpy.init
 
@@ -33,15 +37,18 @@ def start(args: list[str] | None = None, domain_id: int | None = None) -> int:
     `args` and `domain_id` are those of rclpy.init(). A context that rclpy.init() made is adopted; its signal
     handlers go, because in a kernel an interrupt is meant for the cell and not for ROS.
     """
-    global _starts, _owner
+    global _starts, _owner, _domain_given
     with _lock:
         if rclpy.ok():
             if _starts == 0:
                 uninstall_signal_handlers()
                 _starts = 1
         else:
+            if _starts == 0:
+                shared_memory.tidy()  # a process before this one may have been killed
             arguments = [*(args or []), *ARGUMENTS]
             _plain_init(args=arguments, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
+            _domain_given = domain_id
             _starts += 1
         if _owner != os.getpid():
             _owner = os.getpid()
@@ -83,6 +90,20 @@ def _put(variables: Mapping[str, str | None]) -> None:
             os.unsetenv(name)
         else:
             os.putenv(name, value)
+
+
+def elsewhere() -> str:
+    """That ROS runs in another domain than ROS_DOMAIN_ID says by now, and the cure, in a sentence; else ''."""
+    wanted = os.environ.get(DOMAIN) or "0"
+    if _starts == 0 or not rclpy.ok() or not wanted.isdigit():
+        return ""
+    domain = rclpy.get_default_context().get_domain_id()
+    if domain == int(wanted) or domain == _domain_given:
+        return ""
+    return (
+        f"{DOMAIN} is {wanted} by now, and the nodes of this notebook stay in domain {domain}, for ROS reads it once, "
+        f"at its start: call rclpy.shutdown() and run your nodes again, or restart the kernel."
+    )
 
 
 def before_stop(closer: Callable[[], None]) -> None:

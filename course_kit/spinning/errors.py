@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from course_kit.causes import with_cause
+from course_kit.causes.frames import is_plumbing
+
 KEPT = 200
 
 
@@ -27,7 +30,8 @@ class CallbackError:
     def frames(self) -> list[traceback.FrameSummary]:
         """The student's part of the traceback: without rclpy and the course's own frames."""
         frames = traceback.extract_tb(self.exception.__traceback__)
-        return [f for f in frames if not _is_plumbing(Path(f.filename))] or list(frames)
+        own = [f for f in frames if not is_plumbing(Path(f.filename))]
+        return own or [f for f in frames if not _is_of_executors(Path(f.filename))]
 
     @property
     def title(self) -> str:
@@ -37,7 +41,8 @@ class CallbackError:
     def __str__(self) -> str:
         where = [f"    line {f.lineno} in {f.name}: {f.line}" for f in self.frames]
         times = f" ({self.count} times)" if self.count > 1 else ""
-        return "\n".join([f"a callback of {self.node} raised {self.title}{times}", *where])
+        text = "\n".join([f"a callback of {self.node} raised {self.title}{times}", *where])
+        return with_cause(text, self.exception)
 
     @property
     def place(self) -> tuple[Any, ...]:
@@ -45,11 +50,12 @@ class CallbackError:
         return self.node, type(self.exception), [(f.filename, f.lineno) for f in self.frames[-1:]]
 
 
-PLUMBING = (Path(__file__).parent, Path(__file__).parents[1] / "background")
+EXECUTORS = (Path(__file__).parent, *(Path(__file__).parents[1] / room for room in ("background", "internals")))
 
 
-def _is_plumbing(path: Path) -> bool:
-    return "rclpy" in path.parts or path.parent in PLUMBING
+def _is_of_executors(path: Path) -> bool:
+    """Whether it is what calls a callback: of the course's own nodes that is all that is left out."""
+    return "rclpy" in path.parts or path.parent in EXECUTORS
 
 
 # Nodes of this process, whose errors are reported here.

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from course_kit.internals.rclpy_parts import fast_executor, is_fast, spin_some
-from course_kit.spinning import BlockingWait, NodeStopped
+from course_kit.spinning import BlockingWait, NodeStopped, stalls
 from course_kit.spinning.nodes import actions_of, destroy
 
 
@@ -57,11 +57,12 @@ class SpinThread:
     def __init__(self, node: Node, on_error: Callable[[Exception], None], executor: Executor | None = None) -> None:
         self.node = node
         self.executor = executor or executor_for(node)
-        self._on_error = on_error
+        self.on_error = on_error
         self._stopping = Future()
         # A copy of the cell's context: what a callback prints appears under the cell that started the node.
         target, name = contextvars.copy_context().run, node.get_fully_qualified_name()
         self._thread = threading.Thread(target=target, args=(self._spin,), name=name, daemon=True)
+        self._stall: stalls.Stall | None = None
 
     def start(self) -> SpinThread:
         """Begin; returns itself."""
@@ -78,6 +79,11 @@ class SpinThread:
         destroy(self.node)
         with contextlib.suppress(Exception):
             self.executor.shutdown(timeout_sec=0.5)
+
+    def stall(self) -> stalls.Stall | None:
+        """The callback that runs now and ran at the last look already, since then; None if none does."""
+        self._stall = stalls.look(self._thread, self._stall) if self.is_alive else None
+        return self._stall
 
     @property
     def is_alive(self) -> bool:
@@ -96,7 +102,7 @@ class SpinThread:
                 if isinstance(error, SystemError) and is_fast(self.executor) and _takes_info(self.node):
                     self._change_executor()  # it was made for a node without such a subscription
                 else:
-                    self._on_error(error)
+                    self.on_error(error)
 
     def _change_executor(self) -> None:
         before, self.executor = self.executor, executor_for(self.node)
@@ -143,6 +149,13 @@ def executor_of(node: Node) -> Executor | None:
         if node in spinning.executor.get_nodes():
             return spinning.executor
     return None
+
+
+def report(node: Node, error: Exception) -> None:
+    """Tell whoever runs a node in a SpinThread of an error that rclpy keeps to itself."""
+    for spinning in spinning_now():
+        if spinning.node is node:
+            spinning.on_error(error)
 
 
 def refuse_in_callback(what: str) -> None:

@@ -16,6 +16,7 @@ from std_srvs.srv import Empty
 from turtlesim.srv import Kill, Spawn
 
 from course_kit.turtlesim import picture
+from course_kit.turtlesim.drawing_report import DrawingReport
 from course_kit.turtlesim.turtle import TICK
 from course_kit.turtlesim.turtle_interface import TurtleInterface
 from course_kit.turtlesim.world import World
@@ -47,6 +48,7 @@ class TurtleSim(Node):
         self.create_service(Empty, "reset", self.serving(lambda _: self.world.reset(time.monotonic_ns())))
         self.create_service(Spawn, "spawn", self._on_spawn)
         self.create_service(Kill, "kill", self.serving(lambda request: self.world.kill(request.name)))
+        self._report = DrawingReport(self, self.world)
         self._follow_world()
         self.settle()
         self._period, self._keeps_up = round(period * 1e9), keeps_up
@@ -72,6 +74,7 @@ class TurtleSim(Node):
                 self.get_logger().error(text)
         for interface in (*self._interfaces.values(), *self._retired.values()):
             interface.rotate.settle()
+        self._report.settle()
 
     def serving(self, change: Callable[[Any], object]) -> Callable[[Any, Any], Any]:
         """The callback of a service that changes the world by what is asked and answers nothing."""

@@ -26,8 +26,12 @@ _FINE = 4  # pixels drawn for each pixel shown, which smooths the edges
 
 
 def draw(scene: Scene, background: Color) -> Image.Image:
-    """The scene as an RGB image of 500 x 500 pixels; background as red, green, blue from 0 to 255."""
+    """The scene as an RGB image of 500 x 500 pixels; background as red, green, blue from 0 to 255.
+
+    `info["Description"]` says in words what is there: the key that PNG files have for it.
+    """
     picture = Image.new("RGB", (SIZE, SIZE), background)
+    picture.info["Description"] = in_words(scene)
     picture.paste(scene.trails, (0, 0), scene.trails)
     for figure in scene.figures:
         if not (-1 < figure.x < EXTENT + 1 and -1 < figure.depth < EXTENT + 1):
@@ -36,6 +40,31 @@ def draw(scene: Scene, background: Color) -> Image.Image:
         corner = (round(figure.x * METER - turtle.width / 2), round(figure.depth * METER - turtle.height / 2))
         picture.paste(turtle, corner, turtle)
     return picture
+
+
+@lru_cache(maxsize=1)
+def shells() -> Image.Image:
+    """All kinds of turtle beside each other, looking right, RGBA, each twice as large as turtle_image()."""
+    size = _upright(0).width * 2 // _FINE
+    strip = Image.new("RGBA", (size * len(SHELLS), size))
+    for shell in range(len(SHELLS)):
+        strip.paste(_upright(shell).resize((size, size), Image.Resampling.LANCZOS), (size * shell, 0))
+    return strip
+
+
+def in_words(scene: Scene) -> str:
+    """Where the turtles are, and where they have drawn."""
+    told = [f"{one.name} at {_place(one.x, one.depth)}, heading {one.theta:.2f} rad" for one in scene.figures]
+    drawn = scene.trails.getbbox(alpha_only=True)
+    trails = "nothing is drawn"
+    if drawn:
+        left, top, right, bottom = (pixels / METER for pixels in drawn)
+        trails = f"trails lie between {_place(left, bottom)} and {_place(right, top)}"
+    return f"The turtles' field: {'; '.join(told) or 'no turtle'}; {trails}."
+
+
+def _place(x: float, depth: float) -> str:
+    return f"({x:.2f}, {EXTENT - depth:.2f}) m"
 
 
 @lru_cache(maxsize=1024)

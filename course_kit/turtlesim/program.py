@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import rclpy
 from rclpy.exceptions import ParameterException
@@ -17,8 +17,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from course_kit.ending.exit_timer import ExitTimer
+from course_kit.ending.signals import asking_to_end
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
 END_TIMEOUT = 3.0  # seconds for leaving ROS; a launch waits 5 before its next signal
 NodeType = TypeVar("NodeType", bound=Node)
 
@@ -45,13 +45,14 @@ def program(
     asked: list[int] = []
     made: list[Node] = []
     status = 1
+    before: dict[int, Any] = {}
 
     def on_signal(number: int, _: FrameType | None) -> None:
         asked.append(number)
-        for each in SIGNALS:
+        for each in before:
             signal.signal(each, signal.default_int_handler)
 
-    before = {number: signal.signal(number, on_signal) for number in SIGNALS}
+    before.update((each, signal.signal(each, on_signal)) for each in (signal.SIGINT, *asking_to_end()))
     try:
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
@@ -61,7 +62,10 @@ def program(
         made.append(node)
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        yield node, executor, asked
+        try:
+            yield node, executor, asked
+        finally:  # left to become garbage with its guard condition, it may destroy that a second time and say so
+            executor.shutdown(timeout_sec=0)
         status = 0
     except (KeyboardInterrupt, ExternalShutdownException):
         status = 0

@@ -41,8 +41,8 @@ Drive turtle1 with the keys of this terminal:
 class Teleop(Node):
     """The node teleop_turtle, for turtle1 or another one; takes the keyword arguments of rclpy's Node."""
 
-    def __init__(self, turtle: str = "turtle1", **options: Any) -> None:
-        super().__init__("teleop_turtle", **options)
+    def __init__(self, turtle: str = "turtle1", name: str = "teleop_turtle", **options: Any) -> None:
+        super().__init__(name, **options)
         self.declare_parameter("scale_linear", 2.0)
         self.declare_parameter("scale_angular", 2.0)
         self._cmd_vel = self.create_publisher(Twist, f"{turtle}/cmd_vel", QoSProfile(depth=7))

@@ -93,6 +93,7 @@ class Turtle:
     theta: float
     last_command: int
     shell: int = 0  # which turtle of its world, counted from 0: for its colour in the picture
+    number: int = 0  # of all turtles ever made
     pen: Pen = field(default_factory=Pen)
     rotation: Rotation | None = None
     teleports: list[Teleport] = field(default_factory=list)

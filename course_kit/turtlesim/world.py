@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from dataclasses import replace
 from typing import NamedTuple
 
 from PIL import Image
@@ -13,8 +14,9 @@ from course_kit.turtlesim.turtle import Outcome, Pen, Reading, Rotation, Telepor
 
 
 class Figure(NamedTuple):
-    """Where to draw a turtle: metres from the top left corner, heading in radians, which shell it has."""
+    """Where to draw a turtle: its name, metres from the top left corner, heading in radians, which shell it has."""
 
+    name: str
     x: float
     depth: float
     theta: float
@@ -26,6 +28,21 @@ class Scene(NamedTuple):
 
     trails: Image.Image
     figures: list[Figure]
+
+
+class Drawer(NamedTuple):
+    """Who draws: a number that no other turtle has, which shell, the pen."""
+
+    number: int
+    shell: int
+    pen: Pen
+
+
+class Drawing(NamedTuple):
+    """What poses do not tell of the picture: a number that counts how often it was wiped, who draws with what."""
+
+    wiped: int
+    turtles: dict[str, Drawer]
 
 
 class World:
@@ -41,7 +58,9 @@ class World:
         self._log: list[TurtleLogLine] = []
         self._started = False
         self._counter = 0  # of names given
-        self._shells = 0  # of turtles made
+        self._shells = 0  # of turtles made since the last reset
+        # Counted on for each turtle made and each time that the trails are wiped; no other world has the same.
+        self._made = self._wiped = now
         self._lock = threading.RLock()
         self.spawn("", MIDDLE, MIDDLE, 0.0, now)
 
@@ -59,9 +78,20 @@ class World:
     def scene(self) -> Scene:
         """What there is to draw: a copy, to be used in any thread."""
         with self._lock:
-            turtles = [self.turtles[name] for name in sorted(self.turtles)]
-            figures = [Figure(turtle.x, turtle.depth, turtle.theta, turtle.shell) for turtle in turtles]
+            turtles = [(name, self.turtles[name]) for name in sorted(self.turtles)]
+            figures = [Figure(name, one.x, one.depth, one.theta, one.shell) for name, one in turtles]
             return Scene(self._field.image.copy(), figures)
+
+    def drawing(self) -> Drawing:
+        """What changes the picture, and is not told by poses."""
+        with self._lock:
+            turtles = {n: Drawer(t.number, t.shell, replace(t.pen)) for n, t in self.turtles.items()}
+            return Drawing(self._wiped, turtles)
+
+    def trails(self) -> Image.Image:
+        """The trails as they are now: RGBA, 500 x 500, a copy."""
+        with self._lock:
+            return self._field.image.copy()
 
     def tick(self, now: int) -> dict[str, Reading]:
         """Let 16 ms pass; return what each turtle publishes. The first tick only starts the clock."""
@@ -87,8 +117,9 @@ class World:
                 return ""
             name = name or self._free_name()
             depth = float32(EXTENT - y)  # in float32 as the original's
-            self.turtles[name] = Turtle(name, x, depth, theta, last_command=now, shell=self._shells)
+            self.turtles[name] = Turtle(name, x, depth, theta, last_command=now, shell=self._shells, number=self._made)
             self._shells += 1
+            self._made += 1
             self._say("info", f"Spawning turtle [{name}] at x=[{x:f}], y=[{y:f}], theta=[{theta:f}]")
             return name
 
@@ -106,7 +137,7 @@ class World:
         """Wipe the trails away."""
         with self._lock:
             self._say("info", "Clearing turtlesim.")
-            self._field.clear()
+            self._wipe()
 
     def reset(self, now: int) -> None:
         """Begin again with turtle1 in the middle of a blank field."""
@@ -117,7 +148,11 @@ class World:
             self.turtles.clear()
             self._counter = self._shells = 0
             self.spawn("", MIDDLE, MIDDLE, 0.0, now)
-            self._field.clear()
+            self._wipe()
+
+    def _wipe(self) -> None:
+        self._field.clear()
+        self._wiped += 1
 
     def _free_name(self) -> str:
         while True:

@@ -63,6 +63,14 @@ def node() -> Node:
     return _running().spinning.node
 
 
+def present() -> Node | None:
+    """node() if it is there: asked for so, it does not start ROS where that was shut down."""
+    with _lock:
+        running = _instruments
+    there = running is not None and running.watcher.is_alive and running.spinning.node.context.ok()
+    return running.spinning.node if running is not None and there else None
+
+
 def executor() -> Executor:
     """The executor of node(); what must run in its thread, such as destroying entities, goes to create_task()."""
     return _running().spinning.executor

@@ -1,10 +1,8 @@
-"""Topics by name: their types in the graph, the Python class of a type, the QoS that fits their publishers."""
+"""Topics by name: their types in the graph, the QoS that fits their publishers."""
 
 from __future__ import annotations
 
 import difflib
-import importlib
-import sys
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -16,6 +14,9 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from course_kit import interface_types
+from course_kit.arguments import TEXT, shown
+from course_kit.interface_types import message_class
+from course_kit.long_tasks import long_task
 from course_kit.polling import wait_until
 
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"  # as rmw has it
@@ -30,47 +31,16 @@ LATCHED = frozenset({"/rosout", "/tf_static", "/robot_description"})
 
 def absolute(topic: str) -> str:
     """The full name of a topic: a relative name is taken as one of the root namespace. ValueError if it is none."""
+    TEXT.check("the name of a topic", topic)
     name = topic if topic.startswith("/") else f"/{topic}"
     try:
         validate_full_topic_name(name)
     except InvalidTopicNameException as error:
         reason = " ".join(str(error).split("\n")[0].split()).rstrip(":")
-        raise ValueError(f"{topic!r} cannot be the name of a topic. {reason}. Write it like '/turtle1/pose'.") from None
-    return name
-
-
-def message_class(type_name: str) -> Any:
-    """The Python class of a type name such as 'std_msgs/msg/String'.
-
-    Raises ValueError for what is no type name or no message of its package, ModuleNotFoundError for a package that
-    is not there.
-    """
-    package, kind, name = _split(type_name)
-    try:
-        module = importlib.import_module(f"{package}.{kind}")
-    except ModuleNotFoundError:
-        raise ModuleNotFoundError(
-            f"{type_name}: this Python does not know the package {package}, so it cannot read its messages. "
-            f"Build it in your workspace (colcon build), source install/setup.bash and start again."
+        raise ValueError(
+            f"{shown(topic)} cannot be the name of a topic. {reason}. Write it like '/turtle1/pose'."
         ) from None
-    # The parts of actions and services, for instance Fibonacci_FeedbackMessage, live beside their main class.
-    main = getattr(module, name.split("_")[0], None)
-    if kind != "msg" and main is not None:
-        module = sys.modules[main.__module__]
-    if not hasattr(module, name):
-        near = difflib.get_close_matches(name, [n for n in dir(module) if n[0].isupper()], n=1)
-        hint = f" Did you mean {package}/{kind}/{near[0]}?" if near else ""
-        raise ValueError(f"the package {package} has no message {name}.{hint}")
-    return getattr(module, name)
-
-
-def _split(type_name: str) -> tuple[str, str, str]:
-    parts = type_name.split("/")
-    if len(parts) == 2:
-        parts.insert(1, "msg")
-    if len(parts) != 3 or parts[1] not in ("msg", "srv", "action") or not all(p.isidentifier() for p in parts):
-        raise ValueError(f"{type_name!r} is not a message type. Write it like 'std_msgs/msg/String'.")
-    return parts[0], parts[1], parts[2]
+    return name
 
 
 def type_name(message_type: Any) -> str:
@@ -184,7 +154,9 @@ def look_up(node: Node, pairs: dict[str, Any], timeout: float) -> dict[str, Any]
     """Fill in the types that are None from the graph; waits up to `timeout` seconds in all, as wait_for_type()."""
     deadline = time.monotonic() + timeout
     left = (max(0.0, deadline - time.monotonic()) for _ in pairs)
-    return {topic: given or message_class(wait_for_type(node, topic, next(left))) for topic, given in pairs.items()}
+    unknown = ", ".join(topic for topic, given in pairs.items() if not given)
+    with long_task(f"waiting for a publisher of {unknown}", timeout, at_most=True):
+        return {topic: given or message_class(wait_for_type(node, topic, next(left))) for topic, given in pairs.items()}
 
 
 def qos_for(topic: str, published: Sequence[TopicEndpointInfo]) -> QoSProfile:

@@ -11,7 +11,20 @@ import time
 
 from tests.benchmark.table import Row, formatted
 
-SECTIONS = ("discovery", "executor", "recorder", "rates", "turtle", "ros2", "bags", "setup", "notebooks")
+SECTIONS = (
+    "discovery",
+    "executor",
+    "recorder",
+    "rates",
+    "turtle",
+    "panel",
+    "ros2",
+    "bags",
+    "setup",
+    "students",
+    "leftovers",
+    "notebooks",
+)
 
 
 def main() -> int:

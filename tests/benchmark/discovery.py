@@ -112,19 +112,17 @@ def _cpu(programs: list[Program]) -> float:
 def throughput(kind: str, repetitions: int, seconds: float, domains: dict[str, int]) -> Row:
     """Messages a second from one process to another without loss; the median of repetitions in turn."""
     found: dict[str, list[float]] = {profile: [] for profile in PROFILES}
-    with ExitStack() as stack:
-        streams: dict[str, tuple[Program, Program]] = {}
-        for profile, domain in domains.items():
-            receiver = stack.enter_context(Program("stream_receiver", kind, DEPTH, domain=domain, profile=profile))
-            receiver.report()
-            sender = stack.enter_context(Program("stream_sender", kind, DEPTH, domain=domain, profile=profile))
-            sender.report()
-            streams[profile] = sender, receiver
-        for repetition in range(repetitions):
-            print(f"\rdiscovery: throughput of {kind}, {repetition + 1} of {repetitions} ", end="", file=sys.stderr)
-            for profile in PROFILES if repetition % 2 else reversed(PROFILES):
-                held = partial(_held, *streams[profile], seconds)
-                found[profile].append(highest_rate(held, first=FIRST_RATE[kind]))
+    for repetition in range(repetitions):
+        print(f"\rdiscovery: throughput of {kind}, {repetition + 1} of {repetitions} ", end="", file=sys.stderr)
+        for profile in PROFILES if repetition % 2 else reversed(PROFILES):
+            domain = domains[profile]
+            # New ones each time: after more than they hold, large messages come late for many seconds.
+            with Program("stream_receiver", kind, DEPTH, domain=domain, profile=profile) as receiver:
+                receiver.report()
+                with Program("stream_sender", kind, DEPTH, domain=domain, profile=profile) as sender:
+                    sender.report()
+                    held = partial(_held, sender, receiver, seconds)
+                    found[profile].append(highest_rate(held, first=FIRST_RATE[kind]))
     print(file=sys.stderr)
     stock, course = (statistics.median(found[profile]) for profile in PROFILES)
     return higher(f"throughput of {kind}, two processes", "messages/s", stock, course, RATIO_NOISE)

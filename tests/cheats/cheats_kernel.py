@@ -97,7 +97,7 @@ CHEATS = [
             "Have each verdict made with all points.",
             f"{VERDICT}from course_kit.checking import notebook\n"
             "Verdict.points = 2; Verdict.is_full = True; Verdict.from_json = staticmethod(lambda data: full)\n"
-            "notebook._show = lambda verdict: print(full)",
+            "notebook.show = lambda verdict: print(full)",
         ),
         (
             "a_false_checker",

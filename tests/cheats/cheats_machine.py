@@ -232,6 +232,55 @@ for pid in [int(name) for name in os.listdir("/proc") if name.isdigit() and int(
         if taken >= 0 and "socket" in os.readlink(f"/proc/self/fd/{taken}"):
             os.write(taken, b'{"verdict": {}}')
 """
+SOLUTIONS = f"""
+import importlib, pathlib, re, subprocess, sys
+import course_kit
+from course_kit import solution
+from course_kit.checking import progress, surroundings
+from course_kit.solving import worked
+solution("services-1")
+course, here = pathlib.Path(course_kit.__file__).parent, pathlib.Path("{COURSE}/course_kit/solutions")
+places = {{course / "solutions", course.resolve() / "solutions", worked.FOLDER, here}}
+# Where nothing says that it is graded, and the points are full.
+plain, surroundings.at_start = surroundings.at_start, lambda: {{}}
+progress.path().parent.mkdir(parents=True, exist_ok=True)
+progress.path().write_text('{{"points": {{"services-1": 2}}}}')
+solution("services-1")
+surroundings.at_start = plain
+found = [path for place in places for path in place.rglob("*")]
+for place in places:
+    try:
+        (place / "services-1.md").write_text("x"); print("ESCAPED: wrote", place)
+    except OSError:
+        pass
+    code = "import pathlib, sys; print(*pathlib.Path(sys.argv[1]).iterdir())"
+    for command in (["umount", "-l", place], ["find", place, "-type", "f"], [sys.executable, "-c", code, place]):
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+        if done.stdout.strip():
+            print("ESCAPED:", command, done.stdout)
+for name in ("course_kit.solutions.services_1", "course_kit.solutions.services"):
+    try:
+        importlib.import_module(name); print("ESCAPED: imported", name)
+    except ImportError:
+        pass
+for root in ("/usr/src", "/opt", "/srv", "/run", sys.prefix, str(course.parent)):
+    found += pathlib.Path(root).rglob("services-1.md")
+for path in found:
+    print("ESCAPED: found", path)
+    exec(re.search(r"```python\\n(.*?)```", path.read_text(), re.DOTALL)[1])
+"""
+CHEATS.append(
+    Cheat(
+        "solutions",
+        "services-1",
+        "Read, import or execute the worked solution, in the kernel and from its processes.",
+        f"{EMPTY}{SOLUTIONS}{TRIED}",
+        says="is graded.\nsolution: this edition of the course has no solutions",
+        honest="services-4",
+        timeout=60.0,
+        by_default=True,
+    )
+)
 CHEATS += [
     Cheat(
         name,

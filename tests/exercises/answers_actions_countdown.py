@@ -2,34 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-COUNTDOWN = """
-from rclpy.action import GoalResponse
-
-class CountdownServer(Node):
-    def __init__(self):
-        super().__init__("countdown_server")
-        self.server = ActionServer(self, Fibonacci, "countdown", self.execute, goal_callback=self.on_goal,
-                                   cancel_callback=lambda goal: CancelResponse.ACCEPT)
-
-    sleep = FibonacciServer.sleep
-
-    def on_goal(self, goal):
-        return GoalResponse.REJECT if goal.order < 0 else GoalResponse.ACCEPT
-
-    async def execute(self, goal_handle):
-        counted = []
-        for number in range(goal_handle.request.order, -1, -1):
-            await self.sleep(0.1)
-            if goal_handle.is_cancel_requested:
-                goal_handle.canceled()
-                return Fibonacci.Result(sequence=counted)
-            counted.append(number)
-            goal_handle.publish_feedback(Fibonacci.Feedback(sequence=[number]))
-        goal_handle.succeed()
-        return Fibonacci.Result(sequence=counted)
-"""
+COUNTDOWN = worked("actions-2")
 
 COUNTDOWN_STYLES = {
     "blocking_in_threads": """
@@ -245,7 +220,7 @@ ANSWERS = Answers(
         ),
         Wrong(
             "no_such_name",
-            changed(COUNTDOWN, ('Fibonacci, "countdown"', 'Fibonacci, "count_down"')),
+            changed(COUNTDOWN, (' "countdown"', ' "count_down"')),
             0,
             "Did you mean `/count_down`",
         ),

@@ -2,33 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-DEADLINE = """
-class DeadlineServer(Node):
-    def __init__(self):
-        super().__init__("deadline_server")
-        self.server = ActionServer(self, Fibonacci, "fibonacci_deadline", self.execute,
-                                   cancel_callback=lambda goal: CancelResponse.ACCEPT)
-
-    sleep = FibonacciServer.sleep
-
-    async def execute(self, goal_handle):
-        began = self.get_clock().now()
-        sequence = [0, 1]
-        while len(sequence) <= goal_handle.request.order:
-            await self.sleep(0.1)
-            if (self.get_clock().now() - began).nanoseconds > 1e9:
-                goal_handle.abort()
-            elif goal_handle.is_cancel_requested:
-                goal_handle.canceled()
-            if not goal_handle.is_active:
-                return Fibonacci.Result(sequence=sequence)
-            sequence.append(sum(sequence[-2:]))
-            goal_handle.publish_feedback(Fibonacci.Feedback(sequence=sequence))
-        goal_handle.succeed()
-        return Fibonacci.Result(sequence=sequence)
-"""
+DEADLINE = worked("actions-4")
 
 DEADLINE_STYLES = {
     "inherits_from_the_chapter": """
@@ -171,7 +147,7 @@ ANSWERS = Answers(
             changed(
                 DEADLINE,
                 (
-                    "self.execute,\n",
+                    "self.execute,",
                     "self.execute,\ngoal_callback=lambda goal: list(GoalResponse)[goal.order < 11],\n",
                 ),
             ),
@@ -189,7 +165,7 @@ ANSWERS = Answers(
             "rejects_above_29",
             changed(
                 DEADLINE,
-                ("self.execute,\n", "self.execute,\ngoal_callback=lambda goal: list(GoalResponse)[goal.order < 30],\n"),
+                ("self.execute,", "self.execute,\ngoal_callback=lambda goal: list(GoalResponse)[goal.order < 30],\n"),
             ),
             1,
             "is rejected",

@@ -2,30 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-IMPATIENT = """
-class Impatient(Node):
-    def __init__(self):
-        super().__init__("impatient")
-        self.status, self.goal_handle, self.seen = None, None, 0
-        self.action = ActionClient(self, Fibonacci, "fibonacci")
-        self.action.wait_for_server(timeout_sec=3.0)
-        sent = self.action.send_goal_async(Fibonacci.Goal(order=40), feedback_callback=self.on_feedback)
-        sent.add_done_callback(self.on_accepted)
-
-    def on_feedback(self, message):
-        self.seen += 1
-        if self.seen == 5:
-            self.goal_handle.cancel_goal_async()
-
-    def on_accepted(self, future):
-        self.goal_handle = future.result()
-        self.goal_handle.get_result_async().add_done_callback(self.on_result)
-
-    def on_result(self, future):
-        self.status = future.result().status
-"""
+IMPATIENT = worked("actions-3")
 
 IMPATIENT_STYLES = {
     "length_of_the_feedback": """

@@ -3,51 +3,9 @@
 from __future__ import annotations
 
 from tests.exercises.answers_actions_star_styles import STAR_STYLES
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-STAR = """
-class StarServer(Node):
-    def __init__(self):
-        super().__init__("star_server")
-        self.waiting, self.goal = [], None
-        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 1)
-        self.server = ActionServer(self, Polygon, "drive_star", self.execute,
-                                   cancel_callback=lambda goal: CancelResponse.ACCEPT)
-
-    on_pose, next_pose = PolygonServer.on_pose, PolygonServer.next_pose
-
-    async def to(self, goal_handle, x, y, lines, side, home=False):
-        pose = await self.next_pose()
-        while (distance := math.dist((pose.x, pose.y), (x, y))) >= 0.05:
-            if self.goal is not goal_handle or (goal_handle.is_cancel_requested and not home):
-                return False
-            goal_handle.publish_feedback(Polygon.Feedback(distance_left=distance + side * lines))
-            self.publisher.publish(steer(pose, x, y))
-            pose = await self.next_pose()
-        return True
-
-    async def execute(self, goal_handle):
-        earlier, self.goal = self.goal, goal_handle
-        side, pose = goal_handle.request.side_length, await self.next_pose()
-        start, x, y = (pose.x, pose.y), pose.x, pose.y
-        for number in range(5):
-            heading = pose.theta + number * 2 * math.tau / 5
-            x, y = x + side * math.cos(heading), y + side * math.sin(heading)
-            if not await self.to(goal_handle, x, y, 4 - number, side):
-                break
-        else:
-            self.publisher.publish(Twist())
-            goal_handle.succeed()
-            return Polygon.Result(distance=5 * side)
-        if self.goal is not goal_handle:
-            goal_handle.abort()
-            return Polygon.Result()
-        await self.to(goal_handle, *start, 0, side, home=True)
-        self.publisher.publish(Twist())
-        goal_handle.canceled()
-        return Polygon.Result()
-"""
+STAR = worked("actions-5")
 
 IN_SERIES = changed(  # it has asked before the earlier goal could end
     STAR, ("        side, pose =", "        is_first = not (earlier and earlier.is_active)\n        side, pose =")
@@ -188,7 +146,7 @@ ANSWERS = Answers(
             changed(
                 STAR,
                 ("earlier, self.goal = self.goal, goal_handle", "self.goal = goal_handle"),
-                ("self.execute,\n", "self.execute,\ngoal_callback=self.on_goal,\n"),
+                ("self.execute,", "self.execute,\ngoal_callback=self.on_goal,\n"),
                 ("    on_pose,", "    on_goal = lambda self, _: list(GoalResponse)[not self.is_busy()]\n    on_pose,"),
                 ("    async def to", "    is_busy = lambda self: self.goal and self.goal.is_active\n    async def to"),
             ),

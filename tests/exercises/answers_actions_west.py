@@ -2,30 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-FACE_WEST = """
-import math
-from turtlesim.action import RotateAbsolute
-
-class FaceWest(Node):
-    def __init__(self):
-        super().__init__("face_west")
-        self.remaining, self.delta = None, None
-        self.action = ActionClient(self, RotateAbsolute, "turtle1/rotate_absolute")
-        self.action.wait_for_server(timeout_sec=3.0)
-        goal = RotateAbsolute.Goal(theta=math.pi)
-        self.action.send_goal_async(goal, feedback_callback=self.on_feedback).add_done_callback(self.on_accepted)
-
-    def on_feedback(self, message):
-        self.remaining = message.feedback.remaining
-
-    def on_accepted(self, future):
-        future.result().get_result_async().add_done_callback(self.on_result)
-
-    def on_result(self, future):
-        self.delta = future.result().result.delta
-"""
+FACE_WEST = worked("actions-1")
 
 FACE_WEST_STYLES = {
     "timer_and_late_attributes": """

@@ -10,36 +10,13 @@ from tests.exercises import (
     answers_debugging_monitor,
     answers_debugging_watchdog,
 )
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-KEEPS = """
-stop()
-kept, lossy = "/speed_limit", "/scan"
-"""
+KEEPS = "\nstop()" + worked("debugging-1")
 
 # A level that an answer before it has set stays in the kernel.
 
-CIRCLE = """
-stop()
-
-class Circle(Node):
-    def __init__(self):
-        super().__init__("circle")
-        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-        self.create_timer(0.1, self.tick)
-
-    def tick(self):
-        twist = Twist()
-        twist.linear.x, twist.angular.z = 2.0, 1.2
-        self.publisher.publish(twist)
-
-run(TurtleSim)
-run(Circle)
-with bags.record("circle", "/turtle1/pose", "/turtle1/cmd_vel", overwrite=True) as bag:
-    wait_for(lambda: bag.message_count > 440, timeout=30)
-stop()
-circle = "circle"
-"""
+CIRCLE = worked("debugging-4")
 
 DRIVE = """
 stop()
@@ -100,12 +77,7 @@ def drives(*parts: tuple[float, float, float]) -> str:
     return f'{DRIVE}\n{record}\n{lines}stop()\ncircle = "circle"\n'
 
 
-PATIENTS = """
-stop()
-faults.start(seed=17)
-start("ros2 run patrol map_server", name="map_server")
-seed_9, seed_31, seed_17 = "not_sourced", "clock", "queue"
-"""
+PATIENTS = worked("debugging-6")
 
 # As the manual starts it, but with a queue that is just long enough, and the planner anew.
 SHORT_QUEUE = changed(

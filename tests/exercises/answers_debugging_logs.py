@@ -2,25 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-QUIET = """
-from rclpy.logging import LoggingSeverity, set_logger_level
-stop()
-set_logger_level("quiet", LoggingSeverity.INFO)
-
-class Quiet(Node):
-    def __init__(self):
-        super().__init__("quiet", enable_logger_service=True)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 10)
-
-    def on_pose(self, pose):
-        text = f"x = {pose.x:.2f}"
-        self.get_logger().info(text, throttle_duration_sec=1.0)
-        self.get_logger().debug(text)
-
-turtlesim, quiet = run(TurtleSim), run(Quiet)
-"""
+QUIET = "\nstop()" + worked("debugging-2")
 
 TELLS = "        self.get_logger().info(text"
 

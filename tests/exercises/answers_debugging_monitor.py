@@ -2,36 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-MONITOR = """
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-
-class Monitor(Node):
-    wanted = {"/scan": 10.0, "/turtle1/pose": 62.5}
-
-    def __init__(self):
-        super().__init__("monitor")
-        self.counts = dict.fromkeys(self.wanted, 0)
-        self.publisher = self.create_publisher(DiagnosticArray, "diagnostics", 10)
-        self.create_subscription(LaserScan, "scan", lambda scan: self.count("/scan"), qos_profile_sensor_data)
-        self.create_subscription(Pose, "turtle1/pose", lambda pose: self.count("/turtle1/pose"), 50)
-        self.create_timer(1.0, self.report)
-
-    def count(self, topic):
-        self.counts[topic] += 1
-
-    def report(self):
-        report = DiagnosticArray()
-        report.header.stamp = self.get_clock().now().to_msg()
-        for topic, rate in self.wanted.items():
-            came, self.counts[topic] = self.counts[topic], 0
-            level = DiagnosticStatus.STALE if came == 0 else DiagnosticStatus.WARN
-            level = DiagnosticStatus.OK if came >= 0.8 * rate else level
-            value = KeyValue(key="rate", value=str(float(came)))
-            report.status.append(DiagnosticStatus(name=topic, level=level, values=[value]))
-        self.publisher.publish(report)
-"""
+MONITOR = worked("debugging-7")
 
 SLIDING = """
 from collections import deque

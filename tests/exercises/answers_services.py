@@ -8,25 +8,9 @@ from tests.exercises import (
     answers_services_star,
     answers_services_three_times,
 )
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-LAMP = """
-from std_srvs.srv import SetBool, Trigger
-
-class Lamp(Node):
-    def __init__(self):
-        super().__init__("lamp")
-        self.is_on = False
-        self.service = self.create_service(SetBool, "lamp", self.switch)
-
-    def switch(self, request, response):
-        response.success = request.data != self.is_on
-        self.is_on = request.data
-        response.message = "on" if self.is_on else "off"
-        return response
-
-lamp = run(Lamp)
-"""
+LAMP = worked("services-1")
 
 LAMP_WITH_A_PROPERTY = """
 import threading
@@ -187,7 +171,10 @@ ANSWERS = [
             Wrong("replayed", LAMP_REPLAYED, 0, "compare request.data"),
             Wrong("no_attribute", changed(LAMP, ("is_on", "on")), 0, "no readable `self.is_on`"),
             Wrong(
-                "type", changed(LAMP, ('(SetBool, "lamp"', '(Trigger, "lamp"')), 0, "Its type is std_srvs/srv/Trigger"
+                "type",
+                changed(LAMP, ("import SetBool", "import Trigger"), ('(SetBool, "lamp"', '(Trigger, "lamp"')),
+                0,
+                "Its type is std_srvs/srv/Trigger",
             ),
             Wrong(
                 "name", changed(LAMP, ('"lamp", self.switch', '"lamp/switch", self.switch')), 0, "Nobody serves `/lamp`"

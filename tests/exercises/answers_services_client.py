@@ -2,27 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-SAFE_CLIENT = """
-import time
-
-class SafeClient(Node):
-    def __init__(self):
-        super().__init__("safe_client")
-        self.client = self.create_client(AddTwoInts, "add_two_ints")
-
-    def add(self, a, b, timeout):
-        end = time.monotonic() + timeout
-        if not self.client.wait_for_service(timeout_sec=timeout):
-            return None
-        future = self.client.call_async(AddTwoInts.Request(a=a, b=b))
-        try:
-            return wait_for(future, timeout=end - time.monotonic()).sum
-        except TimeoutError:
-            self.client.remove_pending_request(future)
-            return None
-"""
+SAFE_CLIENT = worked("services-2")
 
 KEEPS_SUMS = changed(
     SAFE_CLIENT,

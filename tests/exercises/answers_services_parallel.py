@@ -2,23 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-PARALLEL = """
-import time
-from rclpy.callback_groups import ReentrantCallbackGroup
-
-class ParallelServer(Node):
-    def __init__(self):
-        super().__init__("add_two_ints_server")
-        group = ReentrantCallbackGroup()
-        self.service = self.create_service(AddTwoInts, "add_two_ints", self.add, callback_group=group)
-
-    def add(self, request, response):
-        time.sleep(0.3)
-        response.sum = request.a + request.b
-        return response
-"""
+PARALLEL = worked("services-4")
 
 PARALLEL_ASYNC = """
 from rclpy.callback_groups import ReentrantCallbackGroup

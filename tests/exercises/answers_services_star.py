@@ -2,52 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-STAR = """
-import math
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.task import Future
-from std_srvs.srv import Trigger
-from turtlesim.msg import Pose
-from turtlesim.srv import SetPen, TeleportAbsolute
-
-class StarPainter(Node):
-    def __init__(self):
-        super().__init__("star_painter")
-        group = ReentrantCallbackGroup()
-        self.pen = self.create_client(SetPen, "turtle1/set_pen", callback_group=group)
-        self.jump = self.create_client(TeleportAbsolute, "turtle1/teleport_absolute", callback_group=group)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 1, callback_group=group)
-        self.create_service(Trigger, "draw_star", self.draw)
-        self.waiting = []
-
-    def on_pose(self, pose):
-        for x, y, future in list(self.waiting):
-            if math.dist((pose.x, pose.y), (x, y)) < 0.02:
-                self.waiting.remove((x, y, future))
-                future.set_result(None)
-
-    async def go(self, x, y):
-        await self.jump.call_async(TeleportAbsolute.Request(x=x, y=y))
-        future = Future()
-        self.waiting.append((x, y, future))
-        await future
-
-    async def draw(self, request, response):
-        if not self.jump.wait_for_service(timeout_sec=1.0):
-            response.message = "no turtle"
-            return response
-        angles = [math.pi / 2 + 2 * number * math.tau / 5 for number in range(6)]
-        corners = [(5.54 + 4 * math.cos(a), 5.54 + 4 * math.sin(a)) for a in angles]
-        await self.pen.call_async(SetPen.Request(off=1))
-        await self.go(*corners[0])
-        await self.pen.call_async(SetPen.Request(r=255, g=255, b=0, width=4))
-        for corner in corners[1:]:
-            await self.go(*corner)
-        response.success, response.message = True, "5 lines"
-        return response
-"""
+STAR = worked("services-5")
 
 # No look at the pose but a pause for each line, from another corner on, with a client for each call.
 PAUSES = """

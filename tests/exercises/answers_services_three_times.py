@@ -2,26 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-ADD_THREE_TIMES = """
-from rclpy.callback_groups import ReentrantCallbackGroup
-
-class AddThreeTimes(Node):
-    def __init__(self):
-        super().__init__("add_three_times")
-        self.client = self.create_client(AddTwoInts, "add_two_ints", callback_group=ReentrantCallbackGroup())
-        self.service = self.create_service(AddTwoInts, "add_three_times", self.serve)
-
-    async def ask(self, a, b):
-        return (await self.client.call_async(AddTwoInts.Request(a=a, b=b))).sum
-
-    async def serve(self, request, response):
-        once = await self.ask(request.a, request.b)
-        twice = await self.ask(once, once)
-        response.sum = await self.ask(twice, once)
-        return response
-"""
+ADD_THREE_TIMES = worked("services-3")
 
 # The service may be asked by several at once, and so does each in its turn.
 THREE_TIMES_REENTRANT = """

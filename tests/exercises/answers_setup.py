@@ -4,24 +4,12 @@ from __future__ import annotations
 
 from tests.exercises import answers_setup_corners as corners
 from tests.exercises import answers_setup_robots as robots
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-REPORT = """
-stop()
-domain = int(os.environ["ROS_DOMAIN_ID"])
-discovery_range = "LOCALHOST"
-"""
+REPORT = worked("setup-1")
+RANGE = 'os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]'
 
-GREETER = """
-stop()
-
-class Greeter(Node):
-    def __init__(self):
-        super().__init__("greeter")
-        self.get_logger().info("Nice to meet you, Ada")
-
-greeter = run(Greeter)
-"""
+GREETER = "\nstop()" + worked("setup-2")
 
 SILENT = """
 import time; time.sleep(0.5)
@@ -167,9 +155,9 @@ ANSWERS = [
                 "a number, without quotes",
             ),
             Wrong("zero", changed(REPORT, ('int(os.environ["ROS_DOMAIN_ID"])', "0")), 0, "You gave 0."),
-            Wrong("subnet", changed(REPORT, ('"LOCALHOST"', '"SUBNET"')), 0, "You gave 'SUBNET'"),
-            Wrong("half", changed(REPORT, ('"LOCALHOST"', "None")), 0, "one word in capitals"),
-            Wrong("small", changed(REPORT, ('"LOCALHOST"', '"localhost"')), 0, "one word in capitals"),
+            Wrong("subnet", changed(REPORT, (RANGE, '"SUBNET"')), 0, "You gave 'SUBNET'"),
+            Wrong("half", changed(REPORT, (RANGE, "None")), 0, "one word in capitals"),
+            Wrong("small", changed(REPORT, (RANGE, '"localhost"')), 0, "one word in capitals"),
             Wrong("elsewhere", ELSEWHERE, 0, "What a cell writes there later moves no node"),
             Wrong("true", changed(REPORT, ('int(os.environ["ROS_DOMAIN_ID"])', "True")), 0, "You gave True."),
             Wrong("no_domain", changed(REPORT, ('int(os.environ["ROS_DOMAIN_ID"])', "None")), 0, "You gave None."),
@@ -182,7 +170,7 @@ ANSWERS = [
         GREETER,
         [
             Wrong("print", changed(GREETER, ("self.get_logger().info(", "print(")), 1, "print() goes to nobody else"),
-            Wrong("no_name", changed(GREETER, ("you, Ada", "you, <your name>")), 1, "Nice to meet you, <your name>"),
+            Wrong("no_name", changed(GREETER, ("you, Ada", "you, <your name>")), 1, "where `<your name>` stands"),
             Wrong("level", changed(GREETER, ("info(", "warning(")), 1, "the level is not INFO"),
             Wrong("node_name", changed(GREETER, ('__init__("greeter")', '__init__("hello")')), 0, "Running: /hello"),
             Wrong("not_run", changed(GREETER, ("greeter = run(Greeter)\n", "")), 0, "Start it with `run(Greeter"),
@@ -193,14 +181,14 @@ ANSWERS = [
                 "It logged 'Hello, Ada'. The line is",
             ),
             Wrong("right_before", GREETER + SILENT, 1, "It logged nothing"),
-            Wrong("no_f", changed(GREETER, ("you, Ada", "you, {name}")), 1, "not a placeholder"),
+            Wrong("no_f", changed(GREETER, ("you, Ada", "you, {name}")), 1, "Put an f before the quotes"),
             Wrong(
                 "unset_name", changed(GREETER, ('"Nice to meet you, Ada"', 'f"Nice to meet you, {None}"')), 1, "None'"
             ),
+            Wrong("no_comma", changed(GREETER, ("you, Ada", "you Ada")), 1, "the comma behind `you` is missing"),
             *(
                 Wrong(name, changed(GREETER, ("Nice to meet you, Ada", text)), 1, f"It logged '{text}'. The line is")
                 for name, text in {
-                    "no_comma": "Nice to meet you Ada",
                     "small": "nice to meet you, Ada",
                     "after_hello": "Hello! Nice to meet you, Ada",
                     "in_brackets": "Nice to meet you, <Ada>",

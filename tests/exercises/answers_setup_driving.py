@@ -2,40 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import changed
+from tests.exercises.chapter import changed, worked
 
-TOUR = """
-import math
-from geometry_msgs.msg import Twist
-from turtlesim.msg import Pose
-
-stop()
-
-class Tour(Node):
-    goals = [(10.0, 1.0), (10.0, 10.0), (1.0, 10.0), (1.0, 1.0)]
-
-    def __init__(self):
-        super().__init__("tour")
-        self.left = list(self.goals)
-        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-        self.create_subscription(Pose, "turtle1/pose", self.steer, 1)
-
-    def steer(self, pose):
-        twist = Twist()
-        if self.left:
-            dx, dy = self.left[0][0] - pose.x, self.left[0][1] - pose.y
-            turn = math.remainder(math.atan2(dy, dx) - pose.theta, math.tau)
-            twist.linear.x, twist.angular.z = 8.0 * max(0.0, math.cos(turn)), 8.0 * turn
-            if math.hypot(dx, dy) < 0.4:
-                self.left.pop(0)
-        self.publisher.publish(twist)
-
-turtlesim = run(TurtleSim)
-corners = record("/turtle1/pose")
-tour = run(Tour)
-wait_for(lambda: not tour.left, timeout=60)
-wait_for(lambda: corners.messages[-1].linear_velocity == 0.0)
-"""
+TOUR = worked("setup-3")
 
 # Each way has a direction and the place where it ends, so that a slow machine ends it no sooner.
 WAYS = """

@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-TWO = """
-stop()
-turtlesim = run(TurtleSim)
-second = run(TurtleSim, namespace="/robot2")
-new_topics = {"/robot2/turtle1/cmd_vel", "/robot2/turtle1/pose", "/robot2/turtle1/color_sensor"}
-with record("/robot2/turtle1/pose") as seen:
-    panel = drive(namespace="/robot2")
-    panel.press("up")
-    wait_for(lambda: seen.messages and seen.messages[-1].x > 6.0, timeout=20)
-panel.close()
-"""
+TWO = worked("setup-4")
 ALL = '"/robot2/turtle1/cmd_vel", "/robot2/turtle1/pose", "/robot2/turtle1/color_sensor"'
 
 # The first simulator comes when the checker has no topic of an earlier second one any more; a panel may have one.
@@ -96,6 +86,19 @@ wait_for(lambda: first.teleop.count_subscribers("/turtle1/cmd_vel"))
 first.press("up")
 wait_for(lambda: turtlesim.world.turtles["turtle1"].forward)
 second = run""",
+    ),
+)
+
+# Both run already when the first one drives to the corners, as a student's do who goes back to setup-3.
+FIRST_BEFORE = changed(
+    TWO,
+    (
+        '    panel = drive(namespace="/robot2")\n',
+        """    first = drive()
+    wait_for(lambda: first.press("up") or turtlesim.world.turtles["turtle1"].x > 6.0)
+    wait_for(lambda: turtlesim.world.turtles["turtle1"].forward == 0.0)
+    panel = drive(namespace="/robot2")
+""",
     ),
 )
 
@@ -199,6 +202,7 @@ ANSWERS = Answers(
         "listed": LISTED,
         "other_order": OTHER_ORDER,
         "rolls_on": ROLLS_ON,
+        "first_before": FIRST_BEFORE,
         "after_all": changed(DIFFERENCE, ("= topics() - before", "= (topics() - before) | {'/robot2/turtle1/pose'}")),
     },
 )

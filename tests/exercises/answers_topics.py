@@ -5,21 +5,9 @@ from __future__ import annotations
 from tests.exercises import answers_topics_countdown, answers_topics_relay
 from tests.exercises import answers_topics_eight as eight
 from tests.exercises import answers_topics_styles as styles
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-SCAN_COUNTER = """
-from rclpy.qos import qos_profile_sensor_data
-from sensor_msgs.msg import LaserScan
-
-class ScanCounter(Node):
-    def __init__(self):
-        super().__init__("scan_counter")
-        self.count = 0
-        self.create_subscription(LaserScan, "scan", self.on_scan, qos_profile_sensor_data)
-
-    def on_scan(self, scan):
-        self.count += 1
-"""
+SCAN_COUNTER = worked("topics-2")
 
 # Of COUNTDOWN: numbers by the time that has passed since it was made, so all at once for a late listener.
 

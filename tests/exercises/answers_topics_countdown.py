@@ -3,28 +3,9 @@
 from __future__ import annotations
 
 from tests.exercises import answers_topics_styles as styles
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-COUNTDOWN = """
-from std_msgs.msg import Int32
-
-class Countdown(Node):
-    def __init__(self):
-        super().__init__("countdown")
-        self.publisher = self.create_publisher(Int32, "countdown", 10)
-        self.timer = self.create_timer(0.2, self.tick)
-        self.left = 10
-
-    def tick(self):
-        if self.publisher.get_subscription_count() == 0:
-            return
-        self.publisher.publish(Int32(data=self.left))
-        self.left -= 1
-        if self.left < 0:
-            self.timer.cancel()
-
-countdown = run(Countdown)
-"""
+COUNTDOWN = worked("topics-1")
 
 BURSTS = """
 from std_msgs.msg import Int32

@@ -2,29 +2,9 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-FIGURE_EIGHT = """
-class FigureEight(Node):
-    def __init__(self):
-        super().__init__("figure_eight")
-        self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 10)
-        self.turned, self.last, self.sign = 0.0, None, 1
-
-    def on_pose(self, pose):
-        twist = Twist()
-        if self.last is not None:
-            self.turned += math.remainder(pose.theta - self.last, math.tau)
-        self.last = pose.theta
-        if self.sign > 0 and self.turned >= math.tau - 0.03:
-            self.sign = -1
-        elif self.sign < 0 and self.turned <= 0.03:
-            self.sign = 0
-        if self.sign:
-            twist.linear.x, twist.angular.z = 3.0, self.sign * 2.0
-        self.publisher.publish(twist)
-"""
+FIGURE_EIGHT = worked("topics-4")
 
 KILLER = """
 import threading

@@ -3,21 +3,9 @@
 from __future__ import annotations
 
 from tests.exercises import answers_topics_styles as styles
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, worked
 
-RELAY = """
-class Relay(Node):
-    def __init__(self):
-        super().__init__("relay")
-        self.publisher = self.create_publisher(Pose, "turtle1/pose_slow", 10)
-        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 10)
-        self.count = 0
-
-    def on_pose(self, pose):
-        self.count += 1
-        if self.count % 10 == 0:
-            self.publisher.publish(pose)
-"""
+RELAY = worked("topics-3")
 
 EVERY_160_MS = """
 class Relay(Node):

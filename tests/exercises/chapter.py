@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,12 +17,15 @@ from course_kit.exercises import CHAPTERS
 from course_kit.grading import master
 from course_kit.grading.master import mark_of
 from course_kit.grading.rebuild import START, prerequisites
+from course_kit.solving.worked import Worked, find
 from tests.domains import own_domain
 from tests.kernel import Kernel
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
 # {"setup": "01_setup_checks", …}
 NOTEBOOKS = dict(zip(CHAPTERS, sorted(path.stem for path in FOLDER.glob("[0-9][0-9]_*.ipynb")), strict=True))
+LINE_END = "\n"
+MAGIC = re.compile(r"%%(\w+) ?(.*)\n((?:.|\n)*)")
 CELL_TIMEOUT = 240.0  # some build a package
 CHECK_TIMEOUT = 180.0
 # Their answers take minutes together.
@@ -55,6 +59,23 @@ class Answers:
     reference: str
     wrong: list[Wrong] = field(default_factory=list)
     right: dict[str, str] = field(default_factory=dict)
+
+
+def solved(exercise: str) -> Worked:
+    """The worked solution of an exercise, which is its reference."""
+    found = find(exercise)
+    assert found is not None, exercise
+    return found
+
+
+def worked(exercise: str) -> str:
+    """The cells of the worked solution as one cell, which does the same."""
+    return "\n" + "\n".join(map(_without_magic, solved(exercise).cells)) + "\n"
+
+
+def _without_magic(cell: str) -> str:
+    found = MAGIC.fullmatch(cell)
+    return f"get_ipython().run_cell_magic({found[1]!r}, {found[2]!r}, {found[3] + LINE_END!r})" if found else cell
 
 
 def changed(source: str, *changes: tuple[str, str]) -> str:

@@ -243,6 +243,17 @@ def test_progress_is_kept_and_drawn(kernel: Kernel, state: Path):
     assert (state / "ros2-notebook-course" / "progress.json").exists()
 
 
+def test_progress_begins_with_the_total_and_the_chapter_at_hand(kernel: Kernel):
+    def order() -> list[str]:
+        return [line.split("  ")[0] for line in shown(kernel, "%progress").splitlines() if not line.startswith(" ")]
+
+    kernel.run('check("services-1")')
+    assert order()[:4] == ["The course", "4 · Services", "1 · Setup checks", "2 · Workspace"]
+    kernel.run("import os; os.environ['JPY_SESSION_NAME'] = '/home/a student/06_debugging.ipynb'")  # as Jupyter's does
+    assert order()[:3] == ["The course", "6 · Debugging", "1 · Setup checks"]
+    kernel.run("del os.environ['JPY_SESSION_NAME']")
+
+
 def test_a_class_found_under_another_name_is_asked_for(kernel: Kernel):
     kernel.run(changed(COUNTDOWN, ("class Countdown", "class CountDown"), ("run(Countdown)", "run(CountDown)")))
     assert "The exercise asks for that name" in shown(kernel, 'check("topics-1")')

@@ -88,6 +88,8 @@ def test_what_came_of_an_earlier_command_is_not_counted():
     assert Commands([early]).first_effect(since) == 12 * SECOND
     assert Commands([early, late]).first_effect(since) == late[0]
     assert Commands([(SECOND, twist(2.0))]).first_effect(since) == since
+    assert Commands([], newcomers=[10 * SECOND, 11 * SECOND]).first_effect(since) == 12 * SECOND  # it was not heard
+    assert Commands([late], newcomers=[10 * SECOND]).first_effect(since) == late[0]
     poses = line(2.0, 60, begin=10 * SECOND)
     assert drives.moved_since(steps_of(poses), Commands([early]).first_effect(since)) == 0.0
     assert drives.moved_since(steps_of(poses), Commands([early, late]).first_effect(since)) > 0.5

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from course_kit import file_locks
 from course_kit.examining import own_types
 from tests.kernel import Kernel
 
@@ -44,6 +45,14 @@ def test_what_cannot_be_compiled_is_said(cache: Path, tmp_path: Path, monkeypatc
     with pytest.raises(own_types.Uncompiled, match=r"compiling the types of bad_interfaces failed: .+"):
         own_types.provide("bad_interfaces")
     assert [path.suffix for path in cache.iterdir()] == [".lock"]
+
+
+def test_who_compiles_for_ever_is_not_waited_for_without_end(cache: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(own_types, "LOCK_TIMEOUT", 0.1)
+    lock = own_types.folder_of("my_interfaces", own_types.own_texts("my_interfaces")).with_suffix(".lock")
+    said = rf"the types of my_interfaces cannot be compiled: another process has kept the lock '{lock}' for 0\.1 s"
+    with file_locks.locked(lock, 1.0), pytest.raises(own_types.Uncompiled, match=said):
+        own_types.provide("my_interfaces")
 
 
 def test_the_definitions_are_those_of_the_exercise():

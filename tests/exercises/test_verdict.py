@@ -6,16 +6,19 @@ import contextlib
 import math
 import os
 import resource
+import signal
+import subprocess
+import sys
 import threading
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from multiprocessing import Pipe
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from course_kit import course_command, exercises
-from course_kit.checking import progress
+from course_kit import course_command, exercises, file_locks
+from course_kit.checking import client, notebook, progress
 from course_kit.examining import paths
 from course_kit.examining.channel import LONGEST, Channel, Closed, TooLong, as_json
 from course_kit.examining.examination import beside_the_notebook
@@ -140,7 +143,11 @@ def test_progress_keeps_the_best_and_nothing_of_what_is_not_begun(state: Path):
     assert sorted(p.name for p in progress.path().parent.iterdir()) == ["lock", "progress.json"]
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"points": 3}', '{"points": {"a": "x"}}', "\x00"])
+DAMAGED = ["", "[]", '{"points": 3}', '{"points": {"a": "x"}}', "\x00"]
+DAMAGED += ['{"points": {"a": Infinity}}', '{"points": {"a": NaN}}', "[" * 100_000]
+
+
+@pytest.mark.parametrize("text", DAMAGED, ids=range(len(DAMAGED)))
 def test_a_damaged_progress_file_is_kept_aside_and_said_to_be(
     state: Path, text: str, capsys: pytest.CaptureFixture[str]
 ):
@@ -151,7 +158,7 @@ def test_a_damaged_progress_file_is_kept_aside_and_said_to_be(
         assert repr(progress.Progress()).startswith(f"Your earlier points cannot be read from {file}")
         assert course_command.main(["progress", "--json"]) == 1
         assert capsys.readouterr().err.startswith(f"course: your earlier points cannot be read from {file}")
-        aside = file.with_name(f"progress.damaged-{number}.json")
+        aside = file.with_name(f"progress.json.damaged-{number}")
         assert f"It is now {aside.name}" in progress.record(HALF)
         assert aside.read_text() == text
         assert progress.load() == {"topics-1": 1}
@@ -160,8 +167,41 @@ def test_a_damaged_progress_file_is_kept_aside_and_said_to_be(
 
 def test_a_progress_file_that_cannot_be_read_is_not_written_over(state: Path):
     progress.path().mkdir(parents=True)
-    assert "progress.damaged-1.json" in progress.record(HALF)
-    assert progress.load() == {"topics-1": 1} and progress.path().with_name("progress.damaged-1.json").is_dir()
+    assert "progress.json.damaged-1" in progress.record(HALF)
+    assert progress.load() == {"topics-1": 1} and progress.path().with_name("progress.json.damaged-1").is_dir()
+
+
+def test_who_keeps_the_lock_of_progress_is_not_waited_for_without_end(
+    state: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr(progress, "LOCK_TIMEOUT", 0.1)
+    progress.record(HALF)
+    monkeypatch.setattr(client, "ask", lambda *_: replace(HALF, exercise="topics-2"))
+    lock = progress.path().with_name("lock")
+    with file_locks.locked(lock, 1.0):
+        notebook.check("topics-2")
+    (said,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("check: ")]
+    assert said.startswith(
+        f"check: your points could not be kept: another process has kept the lock '{lock}' for 0.1 s"
+    )
+    assert progress.load() == {"topics-1": 1}
+
+
+def test_a_killed_save_leaves_the_earlier_points_and_what_it_left_goes_with_the_next(state: Path):
+    progress.record(HALF)
+    code = (
+        "import os, signal\n"
+        "from course_kit.checking import progress\n"
+        "from course_kit.examining.verdict import Finding, Verdict\n"
+        "os.replace = lambda *_: os.kill(os.getpid(), signal.SIGKILL)\n"
+        "progress.record(Verdict('topics-2', '', 2, findings=(Finding('all', True, max_points=2),)))\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == -signal.SIGKILL
+    folder = progress.path().parent
+    assert progress.load() == {"topics-1": 1} and len(list(folder.iterdir())) == 3
+    progress.record(Verdict("topics-1", "", 2, findings=(Finding("all", True, max_points=2),)))
+    assert progress.load() == {"topics-1": 2}
+    assert sorted(p.name for p in folder.iterdir()) == ["lock", "progress.json"]
 
 
 def test_the_command_shows_progress_by_chapter(state: Path, capsys: pytest.CaptureFixture[str]):

@@ -2,41 +2,16 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, solved, worked
 
-BATTERY = "float32 EMPTY_VOLTAGE=11.0\nfloat32 voltage\nfloat32 percentage  # 0 to 100\nbool charging\n"
-RECHARGE = "float32 percentage\n---\nbool accepted\nstring reason\n"
+BATTERY, RECHARGE = solved("workspace-4").files.values()
 
 
 def types(battery: str = BATTERY, recharge: str = RECHARGE) -> str:
     return f"interfaces({battery!r}, {recharge!r})\n"
 
 
-CHARGER_CLASS = """
-from robot_interfaces.msg import Battery
-from robot_interfaces.srv import Recharge
-
-
-class Charger(Node):
-    def __init__(self):
-        super().__init__("charger")
-        self.battery = Battery(voltage=12.5, percentage=100.0)
-        self.publisher = self.create_publisher(Battery, "battery", 10)
-        self.create_timer(1.0, self.tick)
-        self.create_service(Recharge, "recharge", self.recharge)
-
-    def tick(self):
-        self.battery.percentage -= 0.5
-        self.publisher.publish(self.battery)
-
-    def recharge(self, request, response):
-        response.accepted = request.percentage <= 100.0
-        if response.accepted:
-            self.battery.percentage = request.percentage
-        else:
-            response.reason = "more than full"
-        return response
-"""
+CHARGER_CLASS = f"\n{solved('workspace-4').cells[-1]}\n"
 CHARGER = types() + CHARGER_CLASS
 SET_ALL_THE_SAME = changed(
     CHARGER,
@@ -123,7 +98,7 @@ ANSWERS = [
     Answers(
         "workspace-4",
         4,
-        CHARGER,
+        f"leave_out('robot_interfaces')\n{worked('workspace-4')}",
         [
             Wrong(
                 "definitions",

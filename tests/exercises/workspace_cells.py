@@ -12,19 +12,29 @@ def merged_no_more():
     ws.build("--packages-select", "my_first_pkg")
 
 
-def fresh(name, *options, programs=(), files={}):
-    """Make a package anew, with these programs and files, in folders of their own."""
+def leave_out(name):
+    """Have no package of that name, and folders of their own for the others."""
     if (ws.install / ".colcon_install_layout").read_text().strip() == "merged":
         merged_no_more()
     for part in ("src", "build", "install"):
         shutil.rmtree(ws.folder / part / name, ignore_errors=True)
+
+
+def make(name, *options):
+    """Make a package anew."""
+    leave_out(name)
     command = ["ros2", "pkg", "create", name, "--license", "Apache-2.0", *options]
     subprocess.run(command, cwd=ws.src, check=True, capture_output=True)
+
+
+def fresh(name, *options, programs=(), files={}):
+    """Make a package anew, with these programs and files."""
+    make(name, *options)
     made, setup_py = ws.src / name, ws.src / name / "setup.py"
     for program in programs:
         add_line(setup_py, "'console_scripts': [", f"            '{program} = {name}.{program}:main',")
     if setup_py.is_file():
-        for folder in ("launch", "config"):
+        for folder in sorted({path.split("/")[0] for path in files} & {"launch", "config"}):
             line = f"        ('share/' + package_name + '/{folder}', __import__('glob').glob('{folder}/*')),"
             add_line(setup_py, "        ('share/' + package_name, ['package.xml']),", line)
     for path, text in files.items():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, solved, worked
 
 PYTHON = '"--build-type", "ament_python", "--node-name", "greet"'
 
@@ -72,27 +72,7 @@ installed = next(ws.install.glob("greeter/lib/python3*/site-packages/greeter/gre
 installed.write_text(installed.read_text().replace("Hello.", "Hi from greeter."))
 """
 
-LOUD_PY = """
-from my_first_pkg.spin import spin
-from rclpy.node import Node
-from std_msgs.msg import String
-
-
-class Loud(Node):
-    def __init__(self):
-        super().__init__("loud")
-        self.declare_parameter("mark", "!")
-        self.publisher = self.create_publisher(String, "loud", 10)
-        self.create_subscription(String, "chatter", self.on_words, 10)
-
-    def on_words(self, message):
-        mark = self.get_parameter("mark").value
-        self.publisher.publish(String(data=message.data.upper() + mark))
-
-
-def main():
-    spin(Loud)
-"""
+LOUD_PY = "\n" + solved("workspace-2").files["ros2_ws/src/greeter/greeter/loud.py"]
 
 
 def loud(text: str = LOUD_PY, programs: str = '["loud"]', after: str = "", build: str = "") -> str:
@@ -219,7 +199,7 @@ ANSWERS = [
     Answers(
         "workspace-1",
         2,
-        GREETER,
+        f"leave_out('greeter')\n{worked('workspace-1')}",
         [
             Wrong("not_built", changed(GREETER, ('build("greeter")\n', "")), 0, "colcon build --packages-select"),
             Wrong(
@@ -257,7 +237,7 @@ ANSWERS = [
     Answers(
         "workspace-2",
         3,
-        loud(),
+        f"make('greeter', {PYTHON})\n{worked('workspace-2')}",
         [
             Wrong("no_entry_point", loud(programs="[]"), 0, "a line `loud = greeter.module:main`"),
             Wrong("not_built_again", loud(after=EDITED), 0, "src/greeter/greeter/loud.py is newer than"),

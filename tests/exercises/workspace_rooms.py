@@ -2,28 +2,12 @@
 
 from __future__ import annotations
 
-from tests.exercises.chapter import Answers, Wrong, changed
+from tests.exercises.chapter import Answers, Wrong, changed, solved, worked
 from tests.exercises.workspace_greeters import LOUD_PY, PYTHON
 
-ROOMS_PY = """
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument
-from launch.substitutions import LaunchConfiguration
-from launch_ros.actions import Node
+ROOMS_PY = "\n" + solved("workspace-3").files["ros2_ws/src/greeter/launch/rooms.launch.py"]
 
-
-def room(name, remappings):
-    words = {"words": LaunchConfiguration(name + "_words")}
-    return [
-        DeclareLaunchArgument(name + "_words", default_value=name),
-        Node(package="my_first_pkg", executable="talker", namespace=name, parameters=[words]),
-        Node(package="greeter", executable="loud", namespace=name, remappings=remappings),
-    ]
-
-
-def generate_launch_description():
-    return LaunchDescription(room("kitchen", []) + room("attic", [("chatter", "/kitchen/chatter")]))
-"""
+WITH_LOUD = f"fresh('greeter', {PYTHON}, programs=['loud'], files={{'greeter/loud.py': {LOUD_PY!r}}})"
 
 
 def rooms(text: str = ROOMS_PY, after: str = "", more: dict[str, str] | None = None) -> str:
@@ -107,7 +91,7 @@ ANSWERS = [
     Answers(
         "workspace-3",
         3,
-        rooms(),
+        f"{WITH_LOUD}\n{worked('workspace-3')}",
         [
             Wrong("not_installed", rooms(after=NOT_INSTALLED), 0, "`data_files` in setup.py"),
             Wrong(

@@ -211,6 +211,11 @@ def test_notebooks_beside_the_students_are_told(tmp_path: Path):
     assert "these files lie beside those of the students, and their names tell nobody's" in nobodys.notes
 
 
+def test_the_start_page_is_handed_in_with_the_chapters_and_nothing_is_said_of_it(tmp_path: Path):
+    lay(tmp_path, {f"alice/notebooks/{name}": "a" for name in (TOPICS, "0_start.ipynb", "0_start (1).ipynb")})
+    assert find(tmp_path, NAMES) == [HandIn("alice", {TOPICS: b"a"})]
+
+
 def test_a_student_without_notebooks_is_told(tmp_path: Path):
     found = find(lay(tmp_path, {"alice/essay.txt": "", "bob/mine.ipynb": "{}", f"cy/{TOPICS}": "c"}), NAMES)
     assert [dict(each.notebooks) for each in found] == [{}, {}, {TOPICS: b"c"}]

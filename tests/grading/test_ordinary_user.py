@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import shlex
 import shutil
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,9 +14,9 @@ import pytest
 from course_kit.grading import sandbox
 from tests.cheats.cheats_machine import CHEATS
 from tests.grading.handed_in import hand_in, references
+from tests.other_users import command_of
 
 NOBODY = 65534
-ROOT = Path(__file__).parents[2]
 HARMFUL = ("files", "hidden_memory", "kernel_settings")
 pytestmark = [
     pytest.mark.skipif(os.getuid() != 0, reason="who is no root grades as an ordinary user in every other test"),
@@ -36,24 +34,6 @@ def folder() -> Iterator[Path]:
         yield Path(made)
 
 
-def as_nobody(folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
-    """Run a command as a user without any rights, who sees Python and the course also where they lie in root's home."""
-    steps, stashed = ["set -e"], dict[Path, Path]()
-    for number, place in enumerate({Path(sys.base_prefix), ROOT}):
-        hidden = next((p for p in reversed(place.parents) if not p.stat().st_mode & 0o001), None)
-        if hidden is not None:
-            stashed[place] = folder / f"stashed-{number}"
-            steps += [f"mkdir {stashed[place]}", f"mount --bind {place} {stashed[place]}"]
-            steps += [f"mountpoint -q {hidden} || mount -t tmpfs -o mode=755 tmpfs {hidden}"]
-    steps += [f"mkdir -p {place}; mount --bind {kept} {place}" for place, kept in stashed.items()]
-    environ = {"HOME": f"{folder}/home", "PATH": f"{sys.prefix}/bin:/usr/bin:/bin", "LANG": "C.UTF-8", "TMPDIR": "/tmp"}
-    user = ["setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups", "--no-new-privs"]
-    words = [*user, "env", "-i", *(f"{name}={value}" for name, value in environ.items()), *command]
-    script = "\n".join([*steps, f"cd {folder}", f"exec {shlex.join(words)}"])
-    # In a mount namespace of its own, so that nothing is changed for anybody else.
-    return subprocess.run(["unshare", "-m", "sh", "-c", script], capture_output=True, text=True, timeout=350)
-
-
 def test_an_ordinary_user_grades_in_sandboxes(folder: Path) -> None:
     hand_in(folder / "in" / "ann", "services", {"services-1": references("services")["services-1"]})
     for cheat in (each for each in CHEATS if each.name in HARMFUL):
@@ -63,7 +43,8 @@ def test_an_ordinary_user_grades_in_sandboxes(folder: Path) -> None:
     for path in (folder, *folder.rglob("*")):
         shutil.chown(path, NOBODY, NOBODY)
     asked = ("--only", "services-1", "--require-sandbox", "--jobs", "2")
-    done = as_nobody(folder, "course", "grade", f"{folder}/in", "--out", f"{folder}/out", *asked)
+    grade = command_of(NOBODY, folder, "course", "grade", f"{folder}/in", "--out", f"{folder}/out", *asked)
+    done = subprocess.run(grade, capture_output=True, text=True, timeout=350)
     assert done.returncode == 0, done.stdout + done.stderr
     rows = dict(line.split(",")[:2] for line in (folder / "out/grades.csv").read_text().splitlines()[1:])
     assert rows == {"ann": "2", **dict.fromkeys(HARMFUL, "0")}, done.stdout

@@ -1,4 +1,4 @@
-"""The students' edition: the same to the byte from every clone, whole, without solutions, and fit for use."""
+"""The students' edition: the same to the byte from every clone, whole, with or without solutions, and fit for use."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from course_kit.exercises import CHAPTERS
+from course_kit import course_command, exercises
 from course_kit.grading import master, release
 from tests.course_copy import BASE_PYTHON, ROOT, fresh_environ
-from tests.exercises.chapter import answers_to
+from tests.exercises.chapter import solved
 
+EXERCISES = [each.name for each in exercises.every()]
 TOPICS = "notebooks/03_topics.ipynb"
 
 
@@ -74,7 +75,22 @@ def edition(course, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
+def edition_without(course, tmp_path_factory) -> Path:
+    """The one without solutions."""
+    return release.write(tmp_path_factory.mktemp("release") / "course.zip", course, with_solutions=False)
+
+
+@pytest.fixture(scope="module")
 def contents(edition) -> dict[str, bytes]:
+    return contents_of(edition)
+
+
+@pytest.fixture(scope="module")
+def contents_without(edition_without) -> dict[str, bytes]:
+    return contents_of(edition_without)
+
+
+def contents_of(edition: Path) -> dict[str, bytes]:
     """What is in the top folder, by path."""
     with zipfile.ZipFile(edition) as archive:
         return {name.removeprefix(f"{release.TOP}/"): archive.read(name) for name in archive.namelist()}
@@ -82,7 +98,10 @@ def contents(edition) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def unpacked(edition, tmp_path_factory) -> Path:
-    folder = tmp_path_factory.mktemp("student")
+    return unpack(edition, tmp_path_factory.mktemp("student"))
+
+
+def unpack(edition: Path, folder: Path) -> Path:
     with zipfile.ZipFile(edition) as archive:
         for entry in archive.infolist():  # with the modes, which Python's own extraction forgets
             Path(archive.extract(entry, folder)).chmod(entry.external_attr >> 16 & 0o777)
@@ -104,7 +123,7 @@ def rewrite(root: Path, change) -> None:
 # ---- The same to the byte
 
 
-def test_two_clones_give_the_same_bytes(edition, tmp_path):
+def test_two_clones_give_the_same_bytes(edition, edition_without, tmp_path):
     other = clone(tmp_path / "another place" / "kurs", mask=0o077, reverse=True)
     for number, path in enumerate(sorted(other.rglob("*"), reverse=True)):
         os.utime(path, (number * 86_400, number * 86_400), follow_symlinks=False)
@@ -118,6 +137,8 @@ def test_two_clones_give_the_same_bytes(edition, tmp_path):
     finally:
         os.umask(before)
     assert path.read_bytes() == edition.read_bytes()
+    path = release.write(tmp_path / "without.zip", other, with_solutions=False)
+    assert path.read_bytes() == edition_without.read_bytes()
 
 
 def test_nothing_in_it_depends_on_time_machine_or_zlib(edition):
@@ -150,20 +171,54 @@ def test_students_get_all_but_what_is_the_instructors_and_the_maintainers(course
     assert changed == {"README.md"}
 
 
-def test_no_solution_is_in_it(contents):
-    text = "\n".join(content.decode(errors="replace") for content in contents.values())
+def test_the_solutions_are_in_it_unless_it_is_made_without(contents, contents_without):
+    solutions = {f"course_kit/solutions/{name}.md" for name in EXERCISES}
+    assert set(contents) - set(contents_without) == solutions
+    changed = {path for path in contents_without if contents[path] != contents_without[path]}
+    assert changed == {"README.md", "manifest.json"}
+    of_each = [json.loads(each["manifest.json"]) for each in (contents, contents_without)]
+    assert [each["solutions"] for each in of_each] == [True, False]
+    assert set(of_each[1]["files"]) == set(contents_without) - {"manifest.json"}
+
+
+def test_the_command_makes_it_without(course, edition_without, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(release.write, "__defaults__", (course, True))
+    assert course_command.main(["release", str(tmp_path / "course.zip"), "--without-solutions"]) == 0
+    assert capsys.readouterr().out.endswith(", with manifest.json, without solutions\n")
+    assert (tmp_path / "course.zip").read_bytes() == edition_without.read_bytes()
+
+
+def test_without_them_solution_says_so(edition_without, tmp_path):
+    folder = unpack(edition_without, tmp_path)
+    code = "import course_kit; print(course_kit.__file__); course_kit.solution('topics-2')"
+    said = run(
+        folder, sys.executable, "-c", code, PYTHONPATH=str(folder), XDG_STATE_HOME=str(tmp_path)
+    ).stdout.splitlines()
+    assert said == [
+        str(folder / "course_kit/__init__.py"),
+        "solution: this edition of the course has no solutions. Your instructor has them.",
+    ]
+
+
+@pytest.mark.parametrize("kind", ["with", "without"])
+def test_no_solution_is_elsewhere_in_it(contents, contents_without, kind):
+    there = contents if kind == "with" else contents_without
+    elsewhere = {path: content for path, content in there.items() if not path.startswith(release.SOLUTIONS)}
+    text = "\n".join(content.decode(errors="replace") for content in elsewhere.values())
 
     def is_there(line: str) -> bool:
         return line in text or json.dumps(line)[1:-1] in text
 
-    references = {each.exercise: each.reference for name in CHAPTERS for each in answers_to(name).ANSWERS}
-    assert len(references) > 25
+    references = {name: "\n".join(solved(name).cells) for name in EXERCISES}
     told = [name for name, source in references.items() if all(map(is_there, map(str.strip, source.splitlines())))]
     assert told == []
 
 
-def test_the_readme_says_only_what_is_true_there(course, contents):
-    readme = contents["README.md"].decode()
+@pytest.mark.parametrize("kind", ["with", "without"])
+def test_the_readme_says_only_what_is_true_there(course, contents, contents_without, kind):
+    readme = (contents if kind == "with" else contents_without)["README.md"].decode()
+    assert ('`solution("topics-2")`' in readme) == (kind == "with")
+    assert "\n\n\n" not in readme
     for untrue in (
         "<!--",
         "-->",
@@ -179,7 +234,7 @@ def test_the_readme_says_only_what_is_true_there(course, contents):
         assert kept in readme
     linked = re.findall(r"\]\((?!https:)([^)]+)\)", readme)
     assert len(linked) > 6
-    assert set(linked) <= set(contents)
+    assert set(linked) <= set(contents_without)
     assert "environment-check.sh test" in (course / "README.md").read_text()
 
 
@@ -195,6 +250,20 @@ def test_uncommitted_changes_are_released_and_told(own, tmp_path, caplog):
         f"released with changes that are not committed: LICENSE, {TOPICS}",
         "not released, as git does not track it: notes.txt",
     ]
+
+
+def test_what_the_instructors_machine_has_shown_about_itself_is_not_released(own, tmp_path):
+    empty = {"0_start.ipynb": ["start-progress"], "01_setup_checks.ipynb": ["setup-report"]}
+    for name, ids in empty.items():
+        path = own / "notebooks" / name
+        notebook = nbformat.read(path, as_version=4)
+        for cell in notebook.cells:
+            if cell.id in ids:
+                cell.execution_count, cell.outputs = 7, [nbformat.v4.new_output("stream", text="the instructor's")]
+        nbformat.write(notebook, path)
+    files = contents_of(release.write(tmp_path / "course.zip", own))
+    for name in empty:
+        assert files[f"notebooks/{name}"] == (ROOT / "notebooks" / name).read_bytes()
 
 
 def test_of_a_clone_without_changes_nothing_is_told(course, tmp_path, caplog):
@@ -329,11 +398,13 @@ def test_where_nothing_can_be_written_an_earlier_zip_stays(course, tmp_path, mon
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "replace", fail)
-    assert refused(course, path) == f"{path} cannot be written: No space left on device"
+    assert refused(course, path) == (
+        f"'{path}' cannot be written: No space left on device. Make room on that disk, or write to another one."
+    )
     assert list(tmp_path.iterdir()) == [path]
     assert path.read_bytes() == b"an earlier one"
 
 
 def test_a_folder_that_is_not_there_is_named(course, tmp_path):
     path = tmp_path / "nowhere" / "course.zip"
-    assert refused(course, path) == f"{path} cannot be written: No such file or directory"
+    assert refused(course, path) == f"'{path}' cannot be written: No such file or directory"

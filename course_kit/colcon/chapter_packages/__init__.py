@@ -5,10 +5,11 @@ So chapters 4 and 5 run also where chapter 2 was not. tests/test_chapter_package
 
 from __future__ import annotations
 
-import shutil
+import tempfile
 from pathlib import Path
 
 from course_kit.colcon.workspaces import Workspace
+from course_kit.whole_files import write_whole, writing
 
 FOLDER = Path(__file__).parent
 
@@ -17,7 +18,8 @@ def provide(workspace: Workspace, package: str) -> None:
     """Have a package of an earlier chapter built in the workspace, and use() the workspace.
 
     What is built stays as it is, and what is in `src` too: it is built if need be. Otherwise the package is copied to
-    `src` first. Raises BuildError if the build fails, ValueError for a package that no chapter makes.
+    `src` first. Raises BuildError if the build fails, NotWritten if it cannot be copied, ValueError for a package that
+    no chapter makes.
     """
     known = sorted(path.parent.name for path in FOLDER.glob("*/package.xml"))
     if package not in known:
@@ -25,7 +27,11 @@ def provide(workspace: Workspace, package: str) -> None:
     source = workspace.src / package
     if not (workspace.install / package).is_dir():
         if not source.is_dir():
-            shutil.copytree(FOLDER / package, source)
+            # A package that is there is taken for a whole one.
+            with writing(source), tempfile.TemporaryDirectory(prefix=f".{package}-", dir=workspace.folder) as work:
+                for file in (file for file in (FOLDER / package).rglob("*") if file.is_file()):
+                    write_whole(work / file.relative_to(FOLDER), file.read_bytes())
+                Path(work, package).rename(source)
             print(f"{package}, as chapter 2 makes it, is now in {workspace.folder.name}/src.")
         workspace.build("--packages-select", package)
     workspace.use()

@@ -15,11 +15,12 @@ def _info(args: Namespace, session: Session) -> None:
     from rclpy.expand_topic_name import expand_topic_name
     from rclpy.validate_full_topic_name import validate_full_topic_name
 
+    from course_kit.ros2.messages.arguments import checked_name
     from course_kit.ros_graph import graph
 
-    node = session.graph()
+    node, name = session.graph(), checked_name(args.action_name, "action")
     with failing(InvalidTopicNameException, ValueError):
-        name = expand_topic_name(args.action_name, node.get_name(), "/")
+        name = expand_topic_name(name, node.get_name(), "/")
         validate_full_topic_name(name)
     clients, servers = graph.action_clients_and_servers(node, name)
     session.print(f"Action: {args.action_name}")

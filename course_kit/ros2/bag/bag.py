@@ -8,7 +8,7 @@ from argparse import Namespace
 from collections import Counter
 
 from course_kit.ros2.bag import text
-from course_kit.ros2.bag.options import BAG, failing_with, unfinished
+from course_kit.ros2.bag.options import BAG, failing_with, say_what_is_left
 from course_kit.ros2.bag.play import PLAY
 from course_kit.ros2.bag.record import RECORD
 from course_kit.ros2.session import Session, log_text
@@ -22,8 +22,7 @@ def _info(args: Namespace, session: Session) -> None:
     with failing_with(BagError):
         found = bag_files.info(args.bag_path)
         sizes = _message_sizes(args.bag_path) if args.verbose else None
-    if not found.is_complete:
-        session.warn(unfinished(args.bag_path, found.message_count))
+    say_what_is_left(found, session)
     if args.topic_name:
         for topic in text.topics_and_events(found, args.sort)[0]:
             session.print(topic.name)
@@ -53,8 +52,9 @@ def _reindex(args: Namespace, session: Session) -> None:
         if not os.path.isdir(args.bag_path):
             raise BagError("Must specify a bag directory")
         say(f'Beginning reindexing bag in directory: "{args.bag_path}"')
-        for name, count in reindex(args.bag_path).items():
-            say(f"'{name}' was not closed by its recorder: {count} messages were found, and it is complete now.")
+        for name, made in reindex(args.bag_path).items():
+            what = f"was cut and is kept as '{made.kept}'" if made.kept else "was not closed by its recorder"
+            say(f"'{name}' {what}: {made.message_count} messages were found, and it is complete now.")
     say("Reindexing complete.")
 
 

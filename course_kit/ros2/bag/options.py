@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from argparse import ArgumentTypeError, FileType, Namespace
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from course_kit.ros2.session import Session, log_text
-from course_kit.ros2.verbs import Arguments, CommandError, all_of, argument, failing, flag, one_line
+from course_kit.ros2.verbs import Arguments, CommandError, all_of, argument, compiled, failing, flag, refuse_device
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
 
+    from course_kit.bags.files import BagInfo, OpenBag
     from course_kit.bags.recorder import BagLogLine
     from course_kit.bags.selection import Selection
 
@@ -54,33 +53,26 @@ def failing_with(*kinds: type[Exception], say: Callable[[Any], str] = str) -> Ab
     return failing(*kinds, say=lambda error: ERROR.format(say(error)))
 
 
-def unfinished(path: str, count: int) -> str:
-    """The line that says what can be had of a bag that its recorder has not closed."""
-    from course_kit.bags.files import is_being_recorded
-
-    folder = path if Path(path).is_dir() else str(Path(path).parent)
-    if is_being_recorded(Path(folder)):
-        return f"[WARN] [ros2bag]: '{path}' is still being recorded: {count} messages can be read by now."
-    return (
-        f"[WARN] [ros2bag]: '{path}' was not closed by its recorder: {count} messages can be read. "
-        f"'ros2 bag reindex {folder}' completes it."
-    )
+def say_what_is_left(bag: BagInfo | OpenBag, session: Session) -> None:
+    """Say what can be had of a bag that is not complete."""
+    if bag.notice:
+        session.warn(f"[WARN] [ros2bag]: {bag.notice}")
 
 
 def qos_overrides(file: IO[str] | None) -> dict[str, QoSProfile]:
     """{topic: profile} from a YAML file; none without one. CommandError for what is no such file."""
     if file is None:
         return {}
-    import yaml
-
     from course_kit.bags import qos as bag_qos
+    from course_kit.ros2.messages.values import NotYaml, parse
 
     with (
-        failing_with(yaml.YAMLError, say=lambda error: f"'{file.name}' is no YAML: {one_line(error)}"),
         failing_with(OSError, ValueError),
+        failing_with(NotYaml, say=lambda error: f"'{file.name}' is no YAML: {error}"),
         file,
     ):
-        return bag_qos.overrides(yaml.safe_load(file) or {})
+        refuse_device(file.name)
+        return bag_qos.overrides(parse(file.read()) or {})
 
 
 def selection(args: Namespace, names: Sequence[str], every: bool, **more: Any) -> Selection:
@@ -88,9 +80,8 @@ def selection(args: Namespace, names: Sequence[str], every: bool, **more: Any) -
     from course_kit.bags.selection import Selection
     from course_kit.watching import topics
 
-    with failing_with(re.error, say=lambda error: f"'{error.pattern}' is no regular expression: {error}"):
-        for pattern in (args.regex, args.exclude_regex):
-            re.compile(pattern)
+    for pattern in (args.regex, args.exclude_regex):
+        compiled(pattern, ERROR.format("'{}' is no regular expression: {}"))
     with failing_with(ValueError):
         return Selection(
             [topics.absolute(name) for name in names],

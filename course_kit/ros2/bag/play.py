@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.bag import options
 from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failing_with
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import Verb, argument, duration, flag, number
+from course_kit.ros2.verbs import LONGEST, Verb, argument, duration, flag, number, whole
 
 if TYPE_CHECKING:
     from course_kit.bags.files import OpenBag
@@ -41,8 +41,10 @@ def _float(text: str) -> float:
         raise ArgumentTypeError(f"{text} is not the valid type (float)") from None
 
 
-_positive = number(_float, lambda value: value > 0, "{} is not in the valid range (> 0.0)")
-_not_negative = number(_float, lambda value: value >= 0, "Value {} is less than zero.")
+SLOWEST, FASTEST = 1e-6, 1e6  # times as fast as recorded, and Hz of /clock
+_positive = number(_float, lambda value: value >= SLOWEST, "{} is not in the valid range (> 0.0)", FASTEST)
+_not_negative = number(_float, lambda value: value >= 0, "Value {} is less than zero.", LONGEST)
+_span = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
 
 
 def _play(args: Namespace, session: Session) -> int:
@@ -55,8 +57,7 @@ def _play(args: Namespace, session: Session) -> int:
 
     has_keys = not (session.in_notebook or args.disable_keyboard_controls)
     with failing_with(BagError), opened(args.bag_path) as bag, keys(has_keys) as pressed:
-        if not bag.is_complete:
-            session.warn(options.unfinished(args.bag_path, sum(c.msgcount for c in bag.connections)))
+        options.say_what_is_left(bag, session)
         return _run(bag, wanted, session, pressed if has_keys else None, args.log_level)
 
 
@@ -127,7 +128,7 @@ PLAY = Verb(
     "publish what a bag holds, as it was recorded",
     _play,
     options.BAG,
-    argument("--read-ahead-queue-size", "how many messages are read ahead (default: 1000)", type=int, default=1000),
+    argument("--read-ahead-queue-size", "how many messages are read ahead (default: 1000)", type=whole, default=1000),
     argument("-r --rate", "how many times as fast (default: 1)", type=_positive, default=1.0),
     argument("--topics", "only these topics", default=[], metavar="topic", nargs="+"),
     REGEX,
@@ -140,10 +141,10 @@ PLAY = Verb(
         "--clock", "publish /clock, N times a second (default: 40)", type=_positive, nargs="?", const=40.0, default=0
     ),
     argument("-d --delay", "wait so many seconds before each beginning", type=_not_negative, default=0.0),
-    argument("--playback-duration", "play so many seconds of the bag (default: all)", type=float, default=-1.0),
+    argument("--playback-duration", "play so many seconds of the bag (default: all)", type=_span, default=-1.0),
     flag("-p --start-paused", "stand still until SPACE is pressed"),
     argument("--start-offset", "begin so many seconds into the bag", type=_not_negative, default=0.0),
-    argument("--wait-for-all-acked", "accepted: it always waits, for up to 1 s", type=int, metavar="TIMEOUT"),
+    argument("--wait-for-all-acked", "accepted: it always waits, for up to 1 s", type=whole, metavar="TIMEOUT"),
     flag("--disable-loan-message", "accepted: messages are never loaned"),
     duration,
     options.unsupported(UNSUPPORTED),

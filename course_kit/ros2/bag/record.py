@@ -6,14 +6,14 @@ import os
 import signal
 import time
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.bag import options
 from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failed, failing_with
 from course_kit.ros2.completion import names_of
 from course_kit.ros2.session import Session, handling
-from course_kit.ros2.verbs import Arguments, Verb, argument, duration, flag, one_of
+from course_kit.ros2.verbs import LONGEST, Arguments, Verb, argument, duration, flag, number, one_of, whole
 
 if TYPE_CHECKING:
     from course_kit.bags.recorder import Recorder
@@ -46,26 +46,38 @@ def _record(args: Namespace, session: Session) -> int:
     options.refuse_unsupported(args, UNSUPPORTED)
     overrides = options.qos_overrides(args.qos_profile_overrides_path)
 
+    custom = _custom_data(args.custom_data)
+
     from course_kit.bags.recorder import Recorder
     from course_kit.bags.storage import BagError
     from course_kit.bags.writer import BagWriter
     from course_kit.ros2.bag.keys import keys
+    from course_kit.ros2.messages.arguments import checked_node_name
+    from course_kit.whole_files import reason_of
+
+    node_name = checked_node_name(args.node_name)
 
     if args.no_discovery:
         session.graph()  # what is there is all that will be recorded
     has_keys = not (session.in_notebook or args.disable_keyboard_controls)
     with keys(has_keys) as pressed:
-        custom = dict(pair.partition("=")[::2] for pair in args.custom_data)
         with (
             failing_with(BagError),
-            failing_with(OSError, say=lambda error: f"Could not create bag folder '{folder}': {error.strerror}"),
+            failing_with(OSError, say=lambda error: f"Could not create bag folder '{folder}': {reason_of(error)}"),
         ):
             writer = BagWriter(folder, args.storage, args.max_bag_size, args.max_bag_duration, custom)
         period, looks_on = max(0.01, args.polling_interval / 1000), not args.no_discovery
-        recorder = Recorder(writer, selection, overrides, args.node_name, period, looks_on, args.start_paused)
+        recorder = Recorder(writer, selection, overrides, node_name, period, looks_on, args.start_paused)
         if has_keys:
             recorder.say("Press SPACE for pausing/resuming")
         return _run(recorder, pressed, session, args.log_level)
+
+
+def _custom_data(pairs: Sequence[str]) -> dict[str, str]:
+    for pair in pairs:
+        if not pair.partition("=")[0] or "=" not in pair:
+            raise failed(f"'{pair}' is no custom data: write it like key=value")
+    return dict(pair.partition("=")[::2] for pair in pairs)
 
 
 def _run(recorder: Recorder, pressed: Callable[[], str | None], session: Session, log_level: str) -> int:
@@ -134,6 +146,9 @@ def _some(name: str, help: str, metavar: str, **settings: Any) -> Arguments:
     return argument(name, help, nargs="+", default=[], metavar=metavar, **settings)
 
 
+_duration = number(int, lambda value: value >= 0, "invalid int value: {!r}: write whole seconds, 0 or more", LONGEST)
+_interval = number(int, lambda value: value > 0, "invalid int value: {!r}: write milliseconds above 0", LONGEST)
+
 RECORD = Verb(
     "record topics into a bag",
     _record,
@@ -153,12 +168,12 @@ RECORD = Verb(
     flag("--include-unpublished-topics", "also topics that nobody publishes yet"),
     flag("--include-hidden-topics", "also topics that are hidden, by an underscore in the name"),
     flag("--no-discovery", "only topics that are there at the start"),
-    argument("-p --polling-interval", "look for new topics every so many ms (default: 100)", type=int, default=100),
+    argument("-p --polling-interval", "look for topics every so many ms (default: 100)", type=_interval, default=100),
     flag("--ignore-leaf-topics", "only topics that somebody subscribes to"),
     SHARED,
-    argument("-b --max-bag-size", "begin a new file after so many bytes (0: never)", type=int, default=0),
-    argument("-d --max-bag-duration", "begin a new file after so many seconds (0: never)", type=int, default=0),
-    argument("--max-cache-size", "accepted: what waits to be written has room", type=int, default=0),
+    argument("-b --max-bag-size", "begin a new file after so many bytes (0: never)", type=whole, default=0),
+    argument("-d --max-bag-duration", "begin a new file after so many seconds (0: never)", type=_duration, default=0),
+    argument("--max-cache-size", "accepted: what waits to be written has room", type=whole, default=0),
     flag("--start-paused", "record nothing until SPACE is pressed"),
     argument("--node-name", "the name of the recorder's node (default: %(default)s)", default="rosbag2_recorder"),
     argument("--custom-data", "what to note in metadata.yaml", metavar="KEY=VALUE", nargs="*", default=[]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import shlex
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
@@ -15,7 +16,18 @@ from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.completion import offering
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, failing, flag, look_up, one_of
+from course_kit.ros2.verbs import (
+    CommandError,
+    Verb,
+    argument,
+    compiled,
+    did_you_mean,
+    duration,
+    failing,
+    flag,
+    look_up,
+    one_of,
+)
 
 EXTENSIONS = ("launch.py", "launch.xml", "launch.yaml", "launch.yml")
 
@@ -51,6 +63,9 @@ def _run(args: Namespace, session: Session) -> int:
     if args.print or args.show_args:
         _describe(path, args, session)
         return 0
+    with failing(ValueError, say=lambda error: f"--launch-prefix {args.launch_prefix}: {error}"):
+        shlex.split(args.launch_prefix or "")
+    compiled(args.launch_prefix_filter or "")
     if args.launch_prefix is not None:
         values["launch-prefix"] = args.launch_prefix
     if args.launch_prefix_filter is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import sys
 from argparse import Namespace
@@ -10,7 +11,13 @@ from typing import Any
 from course_kit.ros2.messages.values import NotYaml, parse, populate
 from course_kit.ros2.verbs import CommandError, did_you_mean, failing
 
-_PARTS = {"msg": (), "srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
+_PARTS = {
+    "msg": ("get_fields_and_field_types",),
+    "srv": ("Request", "Response"),
+    "action": ("Goal", "Result", "Feedback"),
+}
+LONGEST_NAME = 255 - 8  # characters, as rmw has it
+_ACTION_PART = "/_action/cancel_goal"  # the longest that rcl appends to an action's name
 _NOUNS = {"msg": "message", "srv": "service", "action": "action"}
 
 
@@ -22,13 +29,14 @@ def interface_class(name: str, kind: str) -> Any:
     parts = name.split("/")
     if len(parts) == 2:
         parts.insert(1, kind)
-    try:
-        found = getattr(importlib.import_module(".".join(parts[:-1])), parts[-1])
-    except (AttributeError, ImportError, TypeError, ValueError):
-        found = None
-    if found is not None and len(parts) == 3 and parts[1] == kind and all(hasattr(found, p) for p in _PARTS[kind]):
+    found = None
+    if len(parts) == 3 and parts[1] in _PARTS and all(part.isidentifier() for part in parts):
+        with contextlib.suppress(ImportError):
+            found = getattr(importlib.import_module(f"{parts[0]}.{parts[1]}"), parts[2], None)
+    is_type = isinstance(found, type)
+    if is_type and parts[1] == kind and all(hasattr(found, part) for part in _PARTS[kind]):
         return found
-    if found is not None and kind == "srv":
+    if is_type and kind == "srv":
         raise CommandError("The passed type is not a service")
 
     from course_kit.ros2.interface.interface import types
@@ -47,6 +55,19 @@ def checked_name(name: str, noun: str) -> str:
 
     with failing(InvalidTopicNameException, say=say):
         validate_topic_name(name)
+    longest = LONGEST_NAME - (len(_ACTION_PART) if noun == "action" else 0)
+    if len(name) > longest:
+        raise CommandError(f"Invalid {noun} name '{name}': it is longer than {longest} characters")
+    return name
+
+
+def checked_node_name(name: str) -> str:
+    """The name of a node as it was given. Raises CommandError for what cannot be one."""
+    from rclpy.exceptions import InvalidNodeNameException
+    from rclpy.validate_node_name import validate_node_name
+
+    with failing(InvalidNodeNameException, say=lambda error: str(error).split("\n")[0].rstrip(":")):
+        validate_node_name(name)
     return name
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Sequence
 from typing import Any
@@ -14,6 +15,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     NamespacedType,
 )
 
+from course_kit.interface_types import message_class
 from course_kit.internals.rosidl_parts import check_fields
 from course_kit.ros2.messages.yaml_text import fields
 from course_kit.ros2.verbs import one_line
@@ -21,6 +23,7 @@ from course_kit.ros2.verbs import one_line
 HEADER = ("std_msgs", "msg", "Header")
 TIME = ("builtin_interfaces", "msg", "Time")
 _SWITCHES = {False: ("off", "no", "false"), True: ("on", "yes", "true")}  # which YAML reads as truth values
+MOST_VALUES = 1_000_000  # with aliases, a line of text can stand for more than the memory holds
 LARGEST_FLOAT32 = 3.4028234663852886e38
 _PYTHON_TYPES = {"boolean": bool, "float": float, "double": float, "long double": float, "char": str, "wchar": str}
 
@@ -32,13 +35,31 @@ class NotYaml(ValueError):  # noqa: N818  (reads as what happened)
 def parse(text: str | bytes) -> Any:
     """The value that a YAML text stands for. Raises NotYaml."""
     try:
-        return yaml.safe_load(text)
+        value = yaml.safe_load(text)
+        if _count(value, {}) > MOST_VALUES:
+            raise NotYaml(f"its aliases stand for more than {MOST_VALUES} values")
+        return value
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = f"(line {mark.line + 1}, column {mark.column + 1})" if mark else ""
         raise NotYaml(" ".join(f"{error.context or ''} {error.problem or ''} {where}".split())) from None
-    except (yaml.YAMLError, ValueError, TypeError, OverflowError, RecursionError) as error:
+    except RecursionError:
+        raise NotYaml("it is nested too deep") from None
+    except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
         raise NotYaml(one_line(error)) from None
+    except (AttributeError, LookupError):  # PyYAML's own, of a tag
+        raise NotYaml("a value does not fit its tag, as in '!!int x'") from None
+
+
+def _count(value: Any, counts: dict[int, float]) -> float:
+    """How many values there are if each alias is written out; infinitely many if one stands inside itself."""
+    if not isinstance(value, (dict, list)):
+        return 1
+    if id(value) not in counts:
+        counts[id(value)] = math.inf  # until it is counted
+        inside = value.values() if isinstance(value, dict) else value
+        counts[id(value)] = 1 + sum(_count(one, counts) for one in inside)
+    return counts[id(value)]
 
 
 def populate(message: Any, values: Any) -> list[Any]:
@@ -113,8 +134,6 @@ def _sequence(element: Any, default: Any, value: Any, times: list[Any]) -> Any:
     except TypeError:
         raise _unfit(list, value) from None
     if isinstance(element, NamespacedType):
-        from course_kit.watching.topics import message_class
-
         kind = message_class("/".join(element.namespaced_name()))
         return [_message(element, kind, item, times) for item in values]
     return [_single(element, item) for item in values]
@@ -125,12 +144,13 @@ def _single(slot: Any, value: Any) -> Any:
     if isinstance(slot, BasicType) and slot.typename == "octet":
         return _byte(value)
     kind = str if isinstance(slot, AbstractGenericString) else _PYTHON_TYPES.get(slot.typename, int)
-    if type(value) is kind:
-        return value
     try:
-        return kind(value)
+        converted: Any = value if type(value) is kind else kind(value)
     except TypeError:
         raise _unfit(kind, value) from None
+    if kind is str:
+        converted.encode()  # a lone surrogate, which YAML can write, is in no UTF-8: UnicodeEncodeError
+    return converted
 
 
 def _byte(value: Any) -> bytes:

@@ -61,6 +61,14 @@ def fields(message_type: Any) -> Fields:
     return _fields[message_type]
 
 
+def to_flow_yaml(data: Any) -> str:
+    """Python data as YAML on one line, as it is typed behind a command: '{linear: {x: 2.0}}'."""
+    text: str = yaml.dump(
+        data, Dumper=_FlowDumper, allow_unicode=True, width=sys.maxsize, default_flow_style=True, sort_keys=False
+    )
+    return text.removesuffix("\n").removesuffix("\n...")
+
+
 # Values as Python data -------------------------------------------------------------------------------------------
 
 
@@ -197,22 +205,26 @@ def _dump(data: Any, flow_style: bool) -> str:
     return text
 
 
-class _Dumper(yaml.SafeDumper):
-    """Writes mappings in block style even where sequences are in flow style, unless they are inside one.
-
-    Strings with rare line breaks are always escaped, unlike in the real command: otherwise they are read differently.
-    """
+class _FlowDumper(yaml.SafeDumper):
+    """Strings with rare line breaks are always escaped, unlike in the real command: else they are read differently."""
 
     def represent_str(self, data: str) -> yaml.ScalarNode:
         style = '"' if _RARE_BREAKS.search(data) else None
         return self.represent_scalar("tag:yaml.org,2002:str", data, style)
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+class _Dumper(_FlowDumper):
+    """Writes mappings in block style even where sequences are in flow style, unless they are inside one."""
 
     def represent_dict(self, data: Mapping[str, Any]) -> yaml.MappingNode:
         pairs = [(self.represent_data(key), self.represent_data(value)) for key, value in data.items()]
         return yaml.MappingNode("tag:yaml.org,2002:map", pairs)
 
 
-_Dumper.add_representer(str, _Dumper.represent_str)
+_FlowDumper.add_representer(str, _FlowDumper.represent_str)
 _Dumper.add_representer(dict, _Dumper.represent_dict)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from argparse import Namespace
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -10,12 +9,25 @@ from typing import TYPE_CHECKING, Any
 from course_kit.ros2.completion import node_names, parameter_names
 from course_kit.ros2.param.services import call, list_parameters
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import GRAPH, CommandError, Verb, all_of, argument, did_you_mean, failing, flag, one_line
+from course_kit.ros2.verbs import (
+    GRAPH,
+    CommandError,
+    Verb,
+    all_of,
+    argument,
+    compiled,
+    did_you_mean,
+    failing,
+    flag,
+    one_line,
+    refuse_device,
+)
 
 if TYPE_CHECKING:
     from course_kit.ros_graph.graph import NodeName
 
 SCALARS = ("boolean", "integer", "double", "string")
+VALUES = "true or false, an integer of 64 bits, a float, a string, or a list of one of these"
 TYPE_NAMES = ("not set", *SCALARS, "byte array", *(f"{name} array" for name in SCALARS))
 
 
@@ -48,8 +60,7 @@ def _list(args: Namespace, session: Session) -> None:
     from course_kit.ros_graph import graph
 
     chosen = [graph.NodeName.of(_found_node(args, session))] if args.node_name else _nodes(args, session)
-    with failing(re.error, say=lambda error: f"Invalid regular expression '{args.filter}': {error}"):
-        is_wanted = re.compile(args.filter or "").search
+    is_wanted = compiled(args.filter or "", "Invalid regular expression '{}': {}").search
     offered = graph.services(session.node, with_hidden=True)
     for node in chosen:
         if f"{node.full_name}/list_parameters" not in offered:
@@ -85,13 +96,27 @@ def _get(args: Namespace, session: Session) -> None:
 
 
 def _set(args: Namespace, session: Session) -> None:
+    node = _found_node(args, session)
+    parameter = with_value(args.parameter_name, args.value)
+    (result,) = call(session, node, "set_parameters", parameters=[parameter]).results
+    _report(session, result, "Set parameter", "Setting parameter")
+
+
+def with_value(name: str, text: str) -> Any:
+    """An rcl_interfaces Parameter with the value that a YAML text stands for. CommandError for what cannot be one."""
     from rcl_interfaces.msg import Parameter
     from rclpy.parameter import get_parameter_value
 
-    node = _found_node(args, session)
-    parameter = Parameter(name=args.parameter_name, value=get_parameter_value(args.value))
-    (result,) = call(session, node, "set_parameters", parameters=[parameter]).results
-    _report(session, result, "Set parameter", "Setting parameter")
+    with failing(Exception, say=lambda _: f"'{text}' is no value of a parameter: {VALUES}"):  # rclpy's are many
+        return _sendable(Parameter(name=name, value=get_parameter_value(text)))
+
+
+def _sendable(message: Any) -> Any:
+    """The message, if it can be sent: what its fields do not check, such as text that is no UTF-8, raises here."""
+    from rclpy.serialization import serialize_message
+
+    serialize_message(message)
+    return message
 
 
 def _report(session: Session, result: Any, done: str, tried: str, adverb: str = "successful") -> None:
@@ -160,13 +185,21 @@ def _load(args: Namespace, session: Session) -> None:
 
     node = _found_node(args, session)
     file = args.parameter_file
-    with (
-        failing(OSError, say=lambda error: f"{error.strerror}: '{file}'"),
-        failing(yaml.YAMLError, say=lambda error: f"{file} is no YAML: {one_line(error)}"),
-        failing(RuntimeError, AttributeError, TypeError),
-    ):
+    refuse_device(file)
+
+    def say(error: Exception) -> str:
+        if isinstance(error, OSError):
+            return f"{error.strerror}: '{file}'"
+        if isinstance(error, yaml.YAMLError):
+            return f"{file} is no YAML: {one_line(error)}"
+        if type(error) is RuntimeError:  # rclpy's word for a node that the file does not name
+            return str(error)
+        return f"{file} is no parameter file: write '{node}: {{ros__parameters: {{name: value}}}}', each value {VALUES}"
+
+    with failing(Exception, say=say):
         found = parameter_dict_from_yaml_file(file, not args.no_use_wildcard, target_nodes=[node])
-    results = call(session, node, "set_parameters", parameters=list(found.values())).results
+        parameters = [_sendable(parameter) for parameter in found.values()]
+    results = call(session, node, "set_parameters", parameters=parameters).results
     for name, result in zip(found, results, strict=True):
         _report(session, result, f"Set parameter {name}", f"Set parameter {name}")
 

@@ -11,6 +11,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from course_kit.whole_files import write_whole, writing
+
 TEMPLATES = Path(__file__).with_name("templates")
 # Licenses that come with their text, in the order of the real command.
 LICENSE_NAMES = (
@@ -89,17 +91,21 @@ def description(package: Package, destination: str) -> list[str]:
 
 
 def make(package: Package, destination: str, say: Callable[[str], None]) -> None:
-    """Make everything, in the real command's order; `say` gets the line that announces each folder and file."""
+    """Make everything, in the real command's order; `say` gets the line that announces each folder and file.
+
+    Raises NotWritten.
+    """
     name, node, library = package.name, package.node, package.library
     root = os.path.join(destination, name)
 
     def folder(*path: str) -> None:
         say(f"creating folder {os.path.join(root, *path)}")
-        os.makedirs(os.path.join(root, *path), exist_ok=True)
+        with writing(os.path.join(root, *path)):
+            os.makedirs(os.path.join(root, *path), exist_ok=True)
 
     def file(path: str, template: str = "") -> None:
         say(f"creating {os.path.join(root, path)}")
-        Path(root, path).write_text(package.filled(template) if template else "", encoding="utf-8")
+        write_whole(Path(root, path), package.filled(template).encode() if template else b"")
 
     folder()
     file("package.xml", "package.xml")

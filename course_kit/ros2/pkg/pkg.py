@@ -14,6 +14,7 @@ from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, failing, flag, look_up
 
 NOT_FOUND = "Package not found"
+LONGEST_NAME = 200  # bytes: file systems take 255, with what is put before and after
 NAME = argument("package_name", "the package", package_names)
 
 
@@ -45,7 +46,8 @@ def _xml(args: Namespace, session: Session) -> None:
     if args.tag is None:
         session.print(ElementTree.tostring(root, encoding="unicode"))
         return
-    elements = root.findall(args.tag)
+    with failing(SyntaxError, KeyError, TypeError, say=lambda _: f"'{args.tag}' is no XML tag"):
+        elements = root.findall(args.tag)
     if not elements:
         raise CommandError("XML tag not found", did_you_mean(args.tag, {element.tag for element in root}))
     for element in elements:
@@ -53,7 +55,10 @@ def _xml(args: Namespace, session: Session) -> None:
 
 
 def _create(args: Namespace, session: Session) -> None:
+    import shutil
+
     from course_kit.ros2.pkg import create
+    from course_kit.whole_files import NotWritten, reason_of, write_whole
 
     if args.license == "?":
         session.print("\n".join(["Supported licenses:", *create.LICENSE_NAMES]))
@@ -67,13 +72,17 @@ def _create(args: Namespace, session: Session) -> None:
         )
     for line in create.description(package, args.destination_directory):
         session.print(line)
-    with failing(OSError, say=lambda error: f"unable to create {error.filename}: {error.strerror}"):
-        create.make(package, args.destination_directory, session.print)
-        text = create.license_text(package.license)
-        if text is None:
-            session.print(create.license_warning(package.license))
-        else:
-            Path(path, "LICENSE").write_text(text, encoding="utf-8")
+    with failing(NotWritten, say=lambda error: f"unable to create {error.filename}: {reason_of(error)}"):
+        try:
+            create.make(package, args.destination_directory, session.print)
+            text = create.license_text(package.license)
+            if text is not None:
+                write_whole(Path(path, "LICENSE"), text.encode())
+        except BaseException:  # half a package would be in the way of the next attempt
+            shutil.rmtree(path, ignore_errors=True)
+            raise
+    if text is None:
+        session.print(create.license_warning(package.license))
 
 
 def _package(args: Namespace, session: Session) -> Any:
@@ -81,7 +90,8 @@ def _package(args: Namespace, session: Session) -> Any:
     from course_kit.ros2.pkg.create import Package
 
     for given in filter(None, (args.name, args.node, args.library)):
-        if given != os.path.basename(given) or given in (os.curdir, os.pardir):
+        is_path = given != os.path.basename(given) or given in (os.curdir, os.pardir)
+        if is_path or len(given.encode()) > LONGEST_NAME:
             raise CommandError(f"'{given}' cannot be the name of a folder or file")
     if args.build_type == "ament_python" and args.name == "test":
         raise CommandError(

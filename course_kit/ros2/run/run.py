@@ -12,7 +12,7 @@ from course_kit.programs import packages
 from course_kit.ros2 import children
 from course_kit.ros2.completion import offering, package_names
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, look_up
+from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, failing, look_up
 
 
 def _executables(args: Namespace) -> list[str]:
@@ -38,7 +38,8 @@ def _hint(package: str, name: str, names: list[str]) -> str:
 
 
 def _run(args: Namespace, session: Session) -> int:
-    prefix = [] if args.prefix is None else shlex.split(args.prefix)
+    with failing(ValueError, say=lambda error: f"--prefix {args.prefix}: {error}"):
+        prefix = [] if args.prefix is None else shlex.split(args.prefix)
     cmd = [*prefix, str(executable(args.package_name, args.executable_name)), *args.argv]
     if session.in_notebook or args.duration is not None:
         status = children.run_in_notebook(cmd, session)

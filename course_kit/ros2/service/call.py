@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from course_kit.ros2.named import SERVICES
 from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError, Verb, argument, failing, one_line, yaml_values
+from course_kit.ros2.verbs import LONGEST, CommandError, Verb, argument, failing, number, one_line, yaml_values
 
 
 def _run(args: Namespace, session: Session) -> None:
@@ -47,11 +47,14 @@ def _run(args: Namespace, session: Session) -> None:
             session.sleep(began + 1 / args.rate - time.monotonic())
 
 
+# What is 0 or less, the real command refuses later, and in other words.
+_rate = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
+
 CALL = Verb(
     "call a service",
     _run,
     SERVICES.name,
     SERVICES.typed("service_type"),
     yaml_values("values", "{a: 1, b: 2}"),
-    argument("-r --rate", "call it again and again, N times a second", metavar="N", type=float),
+    argument("-r --rate", "call it again and again, N times a second", metavar="N", type=_rate),
 )

@@ -39,7 +39,7 @@ def expression(text: str) -> Callable[[Any], Any]:
     def say(error: Exception) -> str:
         return f"Invalid filter expression '{text}': {getattr(error, 'msg', None) or one_line(error)}"
 
-    with failing(SyntaxError, ValueError, say=say):
+    with failing(SyntaxError, ValueError, RecursionError, MemoryError, say=say):  # the last two if it nests deep
         code = compile(text, "<filter>", "eval")
 
     def matches(message: Any) -> Any:

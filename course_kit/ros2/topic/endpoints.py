@@ -10,7 +10,17 @@ from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.session import Session, log_text
-from course_kit.ros2.verbs import Arguments, CommandError, all_of, argument, did_you_mean, failing, one_line
+from course_kit.ros2.verbs import (
+    LONGEST,
+    Arguments,
+    CommandError,
+    all_of,
+    argument,
+    did_you_mean,
+    failing,
+    number,
+    one_line,
+)
 
 if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
@@ -33,13 +43,17 @@ RELIABILITIES = ("system_default", "reliable", "best_effort", "unknown", "best_a
 DURABILITIES = ("system_default", "transient_local", "volatile", "unknown", "best_available")
 LIVELINESSES = ("system_default", "automatic", "manual_by_topic", "unknown", "best_available")
 
+# Fast DDS counts them in 32 bits. What is 0 or less, the real command takes for the preset's.
+_depth = number(int, lambda value: True, "invalid int value: {!r}", 2**31 - 1)
+_lease = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
+
 POLICIES: dict[str, dict[str, Any]] = {
-    "depth": {"metavar": "N", "type": int, "help": "how many messages may wait"},
+    "depth": {"metavar": "N", "type": _depth, "help": "how many messages may wait"},
     "history": {"choices": HISTORIES, "help": "which messages are kept: the last ones or all"},
     "reliability": {"choices": RELIABILITIES, "help": "whether lost messages are sent again"},
     "durability": {"choices": DURABILITIES, "help": "whether who comes late gets what was sent before"},
     "liveliness": {"choices": LIVELINESSES, "help": "who says that the publisher is alive"},
-    "liveliness-lease-duration-seconds": {"type": float, "help": "how long it counts as alive without saying so"},
+    "liveliness-lease-duration-seconds": {"type": _lease, "help": "how long it counts as alive without saying so"},
 }
 
 

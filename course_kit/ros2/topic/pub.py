@@ -20,11 +20,11 @@ from course_kit.ros2.verbs import (
     argument,
     did_you_mean,
     duration,
-    failing,
     flag,
     number,
     one_of,
     positive_float,
+    whole,
     yaml_values,
 )
 
@@ -91,15 +91,12 @@ def _publisher(
 
 def _node(session: Session, args: Namespace) -> AbstractContextManager[Any]:
     """The node that publishes: the session's, or one of its own if it needs a name or simulation time."""
+    from course_kit.ros2.messages.arguments import checked_node_name
+
     if args.node_name is None and not args.use_sim_time:
         return nullcontext(session.node)
-    from rclpy.exceptions import InvalidNodeNameException
-    from rclpy.validate_node_name import validate_node_name
-
-    name = args.node_name or f"{session.node.get_name()}_publisher"
-    with failing(InvalidNodeNameException, say=lambda error: str(error).split("\n")[0].rstrip(":")):
-        validate_node_name(name)
-    return session.own_node(name, with_rosout=True, use_sim_time=args.use_sim_time)
+    name = f"{session.node.get_name()}_publisher" if args.node_name is None else args.node_name
+    return session.own_node(checked_node_name(name), with_rosout=True, use_sim_time=args.use_sim_time)
 
 
 def _wait_for_subscriptions(session: Session, topic: str, publisher: Any, wanted: int, limit: float) -> None:
@@ -137,7 +134,7 @@ PUB = Verb(
     TOPICS.typed("message_type"),
     yaml_values("values", "{linear: {x: 2.0}}"),
     argument("-r --rate", "so many a second (default: 1)", metavar="N", type=positive_float, default=1.0),
-    argument("-p --print", "show every Nth message, none with 0 (default: 1)", metavar="N", type=int, default=1),
+    argument("-p --print", "show every Nth message, none with 0 (default: 1)", metavar="N", type=whole, default=1),
     one_of(
         flag("-1 --once", "publish one message and end"),
         argument("-t --times", "publish it so many times and end", type=_count, default=0),

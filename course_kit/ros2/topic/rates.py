@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 PERIOD = 1.0  # seconds between two lines
 
-_count = number(int, lambda value: value > 0, "value must be a positive integer")
+LARGEST_WINDOW = 10_000_000  # messages; their times and sizes take 160 MB
+
+_count = number(int, lambda value: value > 0, "value must be a positive integer", LARGEST_WINDOW)
 
 
 def bw_text(bytes_per_second: float, size: Spread, window: int) -> str:

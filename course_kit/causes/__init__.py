@@ -1,0 +1,38 @@
+"""What an error means in ROS's terms, and its cure, in one sentence: for boxes, checks and tracebacks alike."""
+
+from __future__ import annotations
+
+import contextlib
+
+from course_kit.causes import callbacks, interfaces, names, nodes, parameters
+from course_kit.causes.raised import Raised, Rule
+
+RULES: tuple[Rule, ...] = (
+    *nodes.RULES,
+    *callbacks.RULES,
+    *interfaces.RULES,
+    *parameters.RULES,
+    *names.RULES,  # the last: they say least
+)
+
+
+def cause_of(error: BaseException) -> str:
+    """The cause and the cure of what was raised, in one sentence; '' where they are not known."""
+    with contextlib.suppress(Exception):  # objects of a student's are looked at, which may raise whatever they like
+        raised = Raised(error)
+        for kinds, pattern, sentence in RULES:
+            if (found := raised.fits(kinds, pattern)) is not None:
+                told = found.expand(sentence) if isinstance(sentence, str) else sentence(raised, found)
+                if told:
+                    return told
+    return ""
+
+
+def cause_of_line(text: str) -> str:
+    """The cause and the cure of what rclpy logs, where it raises nothing."""
+    return next((sentence for beginning, sentence in callbacks.LOGGED if text.startswith(beginning)), "")
+
+
+def with_cause(text: str, error: BaseException) -> str:
+    """A text about an error, and what the cause is, if that is known."""
+    return f"{text}\n    → {told}" if (told := cause_of(error)) else text

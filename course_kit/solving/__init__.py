@@ -1,0 +1,1 @@
+"""The worked solutions, and how a student's answer differs from them."""

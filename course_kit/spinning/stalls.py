@@ -1,0 +1,52 @@
+"""Callbacks that do not return: which, since when, and where they are."""
+
+from __future__ import annotations
+
+import linecache
+import sys
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+from course_kit.causes.frames import is_library, is_plumbing
+
+LONG = 5.0  # seconds that a callback may take before anything is said
+
+
+@dataclass
+class Stall:
+    """A callback that runs, as it was seen first."""
+
+    began: FrameType  # kept, so that no other frame gets its place in memory
+    since: float  # seconds since the epoch
+    place: str  # where it is now
+
+    @property
+    def clock(self) -> str:
+        """Since when."""
+        return time.strftime("%H:%M:%S", time.localtime(self.since))
+
+    @property
+    def is_long(self) -> bool:
+        """Whether it takes so long that it should be said."""
+        return time.time() - self.since >= LONG
+
+
+def look(thread: threading.Thread, before: Stall | None) -> Stall | None:
+    """The callback that runs in a thread, where `before` is what was seen at the last look; None if none runs."""
+    frame = sys._current_frames().get(thread.ident or 0)
+    own: list[FrameType] = []
+    while frame is not None:
+        path = Path(frame.f_code.co_filename)
+        if not (is_plumbing(path) or is_library(path)):
+            own.append(frame)
+        frame = frame.f_back
+    if not own:
+        return None
+    now, began = own[0], own[-1]
+    line = linecache.getline(now.f_code.co_filename, now.f_lineno).strip()
+    place = f"line {now.f_lineno} of {now.f_code.co_name}: {line}"
+    since = before.since if before is not None and before.began is began else time.time()
+    return Stall(began, since, place)

@@ -1,0 +1,55 @@
+"""A node that offers and uses an action, for tests of what is recorded and drawn of actions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from example_interfaces.action import Fibonacci
+from rclpy.action import ActionClient, ActionServer, CancelResponse
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.task import Future
+
+from course_kit.background.running import run, stop
+from course_kit.spinning import context
+
+STATUS, FEEDBACK = "/counting/_action/status", "/counting/_action/feedback"
+
+
+class Counting(Node):
+    """Offers and uses the action `counting`."""
+
+    def __init__(self) -> None:
+        super().__init__("counting")
+        accept = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
+        self.server = ActionServer(self, Fibonacci, "counting", self.execute, **accept)
+        self.client = ActionClient(self, Fibonacci, "counting")
+
+    async def execute(self, goal_handle):
+        for number in range(goal_handle.request.order):
+            done = Future()
+            timer = self.create_timer(0.02, lambda done=done: done.set_result(None))
+            await done
+            self.destroy_timer(timer)
+            if goal_handle.is_cancel_requested:
+                goal_handle.canceled()
+                return Fibonacci.Result()
+            goal_handle.publish_feedback(Fibonacci.Feedback(sequence=[number]))
+        goal_handle.succeed()
+        return Fibonacci.Result()
+
+    def destroy_node(self) -> None:
+        self.client.destroy()
+        self.server.destroy()
+        super().destroy_node()
+
+
+@contextmanager
+def counting_node() -> Iterator[Counting]:
+    """The node, in the background until the block ends, with its client and its server acquainted."""
+    context.start()
+    node = run(Counting, executor=SingleThreadedExecutor())
+    assert node.client.wait_for_server(timeout_sec=10.0)
+    yield node
+    stop(node)

@@ -1,0 +1,94 @@
+"""Many users on one machine: no two of them have the same domain or stage, and what has ended is free again."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from course_kit.environment import user_domain
+from course_kit.examining import domains
+
+pytestmark = pytest.mark.skipif(os.getuid() != 0, reason="only root can be several users")
+
+TAKE = "take(os.getuid(){})"
+RESERVE = "reserve_stage()"
+# Users who prefer the same domain, 43.
+ANN, BOB, EVE = 3042, 3142, 3242
+
+
+@contextlib.contextmanager
+def process(uid: int, module: str, call: str) -> Iterator[subprocess.Popen[str]]:
+    """A process of a user who need not be able to read the course; it prints what a call of a module gives."""
+    text = Path(module).read_text().replace("from __future__ import annotations", "")
+    before = f"import contextlib, os, socket, sys\nos.setgid({uid})\nos.setuid({uid})\n"
+    after = f"\nprint({call}, flush=True)\nsys.stdin.read()"
+    command = [sys.executable, "-ISc", before + text + after]
+    running = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd="/")
+    try:
+        yield running
+    finally:
+        running.communicate(timeout=20)
+
+
+def told(running: subprocess.Popen[str]) -> int:
+    assert running.stdout is not None
+    return int(running.stdout.readline())
+
+
+@contextlib.contextmanager
+def domain_of(uid: int, given: str = "") -> Iterator[int]:
+    """The domain that a new process of a user takes, while it lives."""
+    with process(uid, user_domain.__file__, TAKE.format(given and f", {given!r}")) as running:
+        yield told(running)
+
+
+def test_users_of_one_number_get_domains_of_their_own() -> None:
+    with domain_of(ANN) as anns, domain_of(BOB) as bobs, domain_of(EVE) as eves:
+        assert (anns, bobs, eves) == (43, 44, 45)
+
+
+def test_a_users_processes_share_a_domain_until_the_last_one_ends() -> None:
+    with contextlib.ExitStack() as anns:
+        assert anns.enter_context(domain_of(ANN)) == 43
+        with domain_of(BOB) as first:
+            with domain_of(BOB) as second, domain_of(BOB, str(first)) as child:
+                assert (first, second, child) == (44, 44, 44)
+            anns.close()  # 43 is free, but Bob's other processes are in 44
+            with domain_of(BOB) as third:
+                assert third == 44
+        with domain_of(BOB) as later:
+            assert later == 43
+
+
+def test_a_process_keeps_the_domain_of_a_parent_that_has_ended() -> None:
+    with domain_of(BOB, "43"), domain_of(ANN) as anns:
+        assert anns == 44
+
+
+def test_killed_processes_hold_nothing() -> None:
+    with process(BOB, user_domain.__file__, TAKE.format("")) as running:
+        assert told(running) == 43
+        running.kill()
+        running.wait(10)
+        with domain_of(ANN) as anns:
+            assert anns == 43
+
+
+@pytest.mark.parametrize(
+    ("module", "call"), [(user_domain, TAKE.format("")), (domains, RESERVE)], ids=["domain", "stage"]
+)
+def test_sixty_users_at_once_share_nothing(module, call) -> None:
+    users = [4000 + 50 * number for number in range(60)]  # 30 prefer one domain, 30 another
+    with contextlib.ExitStack() as all_of_them:
+        running = [all_of_them.enter_context(process(uid, module.__file__, call)) for uid in users]
+        given = [told(one) for one in running]
+        assert len(set(given)) == len(users), given
+        assert set(given) <= set(user_domain.DOMAINS if module is user_domain else domains.STAGES)
+    with process(users[0], module.__file__, call) as after:
+        assert told(after) in given
