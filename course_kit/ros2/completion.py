@@ -6,6 +6,7 @@ same ones.
 
 from __future__ import annotations
 
+import contextlib
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
@@ -67,6 +68,24 @@ def parameter_names(args: Namespace) -> list[str]:
     session = Session(args)
     session.graph()
     return list_parameters(session, args.node_name)
+
+
+def fields_of(kind: str, type_argument: str) -> Callable[..., list[str]]:
+    """Offers what may follow the YAML that is begun for the type named before; all of its fields if none is."""
+
+    def offer(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
+        from course_kit.ros2.interface.field_completion import Fillable, continuations
+        from course_kit.ros2.interface.interface import definition
+
+        type_name = getattr(parsed_args, type_argument) or ""
+        with contextlib.suppress(LookupError, ValueError):
+            message = Fillable(
+                type_name if type_name.count("/") > 1 else type_name.replace("/", f"/{kind}/"), definition
+            )
+            return continuations(message, prefix) if prefix else [message.prototype()]
+        return []
+
+    return offer
 
 
 package_names = offering(lambda args: packages.package_names())

@@ -42,4 +42,4 @@ def _complete(shell: InteractiveShell, event: Any) -> list[str]:
     from course_kit.ros2.line_completion import complete
 
     _, _, typed = event.text_until_cursor.partition("ros2")
-    return complete(typed.lstrip(" "))
+    return [event.symbol + rest for rest in complete(typed.lstrip(" "))]

@@ -159,10 +159,11 @@ seconds = number(float, lambda value: value >= 0, "invalid float value: {!r}: wr
 whole = number(int, lambda value: value >= 0, "invalid int value: {!r}: write a whole number, 0 or more")
 
 
-def yaml_values(name: str, example: str) -> Arguments:
+def yaml_values(name: str, example: str, offer: Callable[..., list[str]]) -> Arguments:
     """What a message is filled in with."""
     about = f"fields to set, as YAML, such as '{example}'; a time may be now, a header auto"
-    return one_of(argument(name, about, nargs="?", default="{}"), flag("--stdin", "read them from the standard input"))
+    values = argument(name, about, offer, nargs="?", default="{}")
+    return one_of(values, flag("--stdin", "read them from the standard input"))
 
 
 def duration(parser: Any) -> None:

@@ -12,6 +12,7 @@ from types import FrameType
 from typing import Any
 
 from course_kit.calls.goals import STATES
+from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import ACTIONS
 from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session, handling
@@ -110,6 +111,6 @@ SEND_GOAL = Verb(
     _run,
     ACTIONS.name,
     ACTIONS.typed("action_type"),
-    yaml_values("goal", "{order: 10}"),
+    yaml_values("goal", "{order: 10}", fields_of("action", "action_type")),
     flag("-f --feedback", "show the feedback that comes meanwhile"),
 )

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any, NoReturn
 
+from course_kit.kernel import in_kernel
 from course_kit.launching import stand_ins
 from course_kit.programs import packages
 from course_kit.ros2 import children
@@ -46,6 +47,23 @@ def _offer_packages_and_files(prefix: str, **_: Any) -> list[str]:
 def _launch_files(package: str) -> list[str]:
     """The names of the launch files of a package, sorted; none if there is no such package."""
     return sorted(name for name in map(os.path.basename, _files(_share(package) or "")) if name.endswith(EXTENSIONS))
+
+
+def _argument_names(args: Namespace) -> list[str]:
+    """What the arguments of the launch file begin with; none if it cannot be read. In a kernel none is run."""
+    with contextlib.suppress(Exception, SystemExit):
+        if not in_kernel():
+            path, _ = find_launch_file(args)
+            return [f"{one.name}:=" for one in _arguments_of(path)]
+    return []
+
+
+def _arguments_of(path: str) -> list[Any]:
+    from course_kit.launching.describing import arguments_of
+    from course_kit.launching.include import load_launch_file
+
+    stand_ins.install()
+    return list(arguments_of(load_launch_file(path)))
 
 
 def _run(args: Namespace, session: Session) -> int:
@@ -183,8 +201,13 @@ COMMAND = Verb(
     argument(
         "launch_file_name",
         "the name of the launch file",
-        offering(lambda args: _launch_files(args.package_name)),
+        offering(lambda args: _launch_files(args.package_name) or _argument_names(args)),
         nargs="?",
     ),
-    argument("launch_arguments", "arguments of the launch file, as <name>:=<value>", nargs="*"),
+    argument(
+        "launch_arguments",
+        "arguments of the launch file, as <name>:=<value>",
+        offering(_argument_names),
+        nargs="*",
+    ),
 )

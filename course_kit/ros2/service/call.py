@@ -6,6 +6,7 @@ import time
 from argparse import Namespace
 from contextlib import ExitStack
 
+from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import SERVICES
 from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session
@@ -55,6 +56,6 @@ CALL = Verb(
     _run,
     SERVICES.name,
     SERVICES.typed("service_type"),
-    yaml_values("values", "{a: 1, b: 2}"),
+    yaml_values("values", "{a: 1, b: 2}", fields_of("srv", "service_type")),
     argument("-r --rate", "call it again and again, N times a second", metavar="N", type=_rate),
 )

@@ -10,6 +10,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from queue import SimpleQueue
 from typing import Any
 
+from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import TOPICS
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
@@ -132,7 +133,7 @@ PUB = Verb(
     _run,
     TOPICS.name,
     TOPICS.typed("message_type"),
-    yaml_values("values", "{linear: {x: 2.0}}"),
+    yaml_values("values", "{linear: {x: 2.0}}", fields_of("msg", "message_type")),
     argument("-r --rate", "so many a second (default: 1)", metavar="N", type=positive_float, default=1.0),
     argument("-p --print", "show every Nth message, none with 0 (default: 1)", metavar="N", type=whole, default=1),
     one_of(
