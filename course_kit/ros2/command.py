@@ -21,9 +21,11 @@ from course_kit.ros2.verbs import CommandError, Verb, cut, flag
 COMMANDS = {
     "action": "send goals, and see who offers actions",
     "bag": "record topics into bags, look into them, play them",
+    "daemon": "for scripts that start one: none is needed here",
     "doctor": "check this machine, the packages and the graph",
     "interface": "show the types of messages, services and actions",
     "launch": "start what a launch file describes",
+    "lifecycle": "see and change the states of lifecycle nodes",
     "node": "list nodes, and what each is connected to",
     "param": "read and set the parameters of nodes",
     "pkg": "create packages, and find those that are there",
