@@ -43,8 +43,11 @@ class Elsewhere(Node):
         super().__init__("elsewhere")
         self.heard: list[str] = []
         self.said = self.create_publisher(String, "/canyouhearme", 10)
-        self.create_subscription(String, "/canyouhearme", lambda message: self.heard.append(message.data), 10)
+        self.create_subscription(String, "/canyouhearme", self.hear, 10)
         self.create_timer(0.05, lambda: self.said.publish(String(data=HELLO)))
+
+    def hear(self, message: String) -> None:
+        self.heard.append(message.data)
 
 
 def can_multicast() -> bool:
