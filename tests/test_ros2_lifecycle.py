@@ -99,8 +99,12 @@ def test_a_node_that_nobody_spins_does_not_hide_the_others():
     with own_domain(), program(NODES, "asleep", "lamp"):
         alone = ros2("lifecycle", "get", "asleep", "--timeout", "1")
         both = ros2("lifecycle", "get", "--timeout", "1")
+        others = [
+            ros2("lifecycle", *words, "--timeout", "1") for words in (("list", "/asleep"), ("set", "/asleep", "1"))
+        ]
     assert (alone.out, alone.err[: len(silent)], alone.status) == ("", silent, 1)
     assert (both.out, both.err[: len(silent)], both.status) == ("/lamp: unconfigured [1]\n", silent, 0)
+    assert [(one.err[: len(silent)], one.status) for one in others] == [(silent, 1)] * 2
 
 
 def test_a_node_that_ends_in_the_midst_is_not_waited_for():

@@ -22,6 +22,8 @@ NUMBER_OPTIONS = (
     "doctor hello --print-period",
     "doctor hello --ttl",
     "lifecycle get /turtlesim --timeout",
+    "lifecycle list /turtlesim --timeout",
+    "lifecycle set /turtlesim configure --timeout",
     "lifecycle nodes --spin-time",
     "topic list --spin-time",
     "service list --spin-time",

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from argparse import Namespace
 
 from course_kit.ros2.completion import offering
-from course_kit.ros2.lifecycle.services import ANSWER_TIMEOUT, call, lifecycle_nodes, transitions
+from course_kit.ros2.lifecycle.services import call, lifecycle_nodes, transitions
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import GRAPH, CommandError, Verb, argument, flag, positive_float
 
@@ -39,28 +38,26 @@ def _get(args: Namespace, session: Session) -> None:
             session.warn(str(error))
 
 
-def _state(session: Session, node_name: str, timeout: float) -> str:
+def _state(session: Session, node_name: str, timeout: float | None) -> str:
     state = call(session, node_name, "get_state", timeout).current_state
     return f"{state.label} [{state.id}]"
 
 
 def _list(args: Namespace, session: Session) -> None:
-    service = "get_transition_graph" if args.all else "get_available_transitions"
-    for one in transitions(session, _found_node(args, session), service):
+    for one in transitions(session, _found_node(args, session), args.timeout, of_all_states=args.all):
         session.print(f"- {one.transition.label} [{one.transition.id}]")
         session.print(f"\tStart: {one.start_state.label}\n\tGoal: {one.goal_state.label}")
 
 
 def _set(args: Namespace, session: Session) -> None:
     node = _found_node(args, session)
-    offered = [one.transition for one in transitions(session, node)]
+    offered = [one.transition for one in transitions(session, node, args.timeout)]
     by_label = [one for one in offered if one.label == args.transition]
     chosen = [*by_label, *(one for one in offered if str(one.id) == args.transition)][:1]
     if not chosen:
         known = "".join(f"\n- {one.label} [{one.id}]" for one in offered)
         raise CommandError(f"Unknown transition requested, available ones are:{known}")
-    # A transition takes as long as the node's callback does.
-    if call(session, node, "change_state", math.inf, transition=chosen[0]).success:
+    if call(session, node, "change_state", args.timeout, transition=chosen[0]).success:
         session.print("Transitioning successful")
     else:
         session.warn("Transitioning failed")
@@ -81,6 +78,7 @@ def _labels(args: Namespace) -> list[str]:
 
 _HIDDEN = "also nodes that are hidden, by an underscore in the name"
 _INCLUDE_HIDDEN = flag("--include-hidden-nodes", _HIDDEN)
+_TIMEOUT = argument("--timeout", "wait at most so many seconds for an answer", metavar="N", type=positive_float)
 _NODE = argument("node_name", "the node, such as /lc_talker", _names)
 VERBS = {
     "get": Verb(
@@ -89,13 +87,7 @@ VERBS = {
         GRAPH,
         argument("node_name", "the node (default: all)", _names, nargs="?"),
         flag("--include-hidden-nodes -a --all", _HIDDEN),
-        argument(
-            "--timeout",
-            "wait at most so many seconds for each (default: 10)",
-            metavar="N",
-            type=positive_float,
-            default=ANSWER_TIMEOUT,
-        ),
+        _TIMEOUT,
     ),
     "list": Verb(
         "list the transitions that a node may make now",
@@ -103,6 +95,7 @@ VERBS = {
         GRAPH,
         _NODE,
         _INCLUDE_HIDDEN,
+        _TIMEOUT,
         flag("-a --all", "those of every state"),
     ),
     "nodes": Verb(
@@ -118,6 +111,7 @@ VERBS = {
         GRAPH,
         _NODE,
         _INCLUDE_HIDDEN,
+        _TIMEOUT,
         argument("transition", "its name or number, such as configure", _labels),
     ),
 }

@@ -1,7 +1,8 @@
-"""The services that every lifecycle node has: who offers them, and one call of one of them."""
+"""The services that every lifecycle node has: who offers them, and a call of one of them."""
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any
 
@@ -30,13 +31,18 @@ def lifecycle_nodes(session: Session, with_hidden: bool) -> list[str]:
     return [name for name in names if GET_STATE in offered.get(f"{name}/get_state", ())]
 
 
-def call(session: Session, node_name: str, service: str, timeout: float = ANSWER_TIMEOUT, **request: Any) -> Any:
-    """The response of a lifecycle node's service, such as get_state. CommandError if none comes."""
+def call(session: Session, node_name: str, service: str, timeout: float | None, **request: Any) -> Any:
+    """The response of a lifecycle node's service, such as get_state. CommandError if none comes.
+
+    Without a timeout a question has ANSWER_TIMEOUT, and a transition as long as the node's callback takes.
+    """
     from lifecycle_msgs import srv  # type: ignore[import-untyped]
 
     from course_kit.watching.instruments import client_of
 
     kind, doing = getattr(srv, KINDS[service]), f"calling service of node '{node_name}'"
+    if timeout is None:
+        timeout = math.inf if service == "change_state" else ANSWER_TIMEOUT
     with client_of(session.node, kind, f"{node_name}/{service}") as client:
         if not session.until(client.service_is_ready, FOUND_TIMEOUT):
             raise CommandError(f"Exception while {doing}: nobody offers {node_name}/{service}")
@@ -56,6 +62,9 @@ def call(session: Session, node_name: str, service: str, timeout: float = ANSWER
     return response
 
 
-def transitions(session: Session, node_name: str, service: str = "get_available_transitions") -> list[Any]:
-    """The lifecycle_msgs TransitionDescriptions that a node has now; with get_transition_graph, those of all states."""
-    return list(call(session, node_name, service).available_transitions)
+def transitions(
+    session: Session, node_name: str, timeout: float | None = None, of_all_states: bool = False
+) -> list[Any]:
+    """The lifecycle_msgs TransitionDescriptions of a node: those that it may make now, or those of all states."""
+    service = "get_transition_graph" if of_all_states else "get_available_transitions"
+    return list(call(session, node_name, service, timeout).available_transitions)
