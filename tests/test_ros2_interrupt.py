@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import pytest
 from geometry_msgs.msg import PoseStamped
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 
 from course_kit import bags
@@ -82,6 +83,10 @@ VERBS = [
     Goes("param load /asleep PARAMETERS", "/asleep/set_parameters"),
     Goes("param delete /asleep a", "/asleep/set_parameters"),
     Goes("param describe /asleep a", "/asleep/describe_parameters"),
+    Goes("lifecycle get", "/asleep/get_state"),
+    Goes("lifecycle list /asleep", "/asleep/get_available_transitions"),
+    Goes("doctor hello --print-period 0.2", "MULTIMACHINE"),
+    Goes("doctor hello --emit-period 9e9 --print-period 0.2", "MULTIMACHINE"),
     Goes("bag record --topics /turtle1/pose -o NEW", "Subscribed to topic '/turtle1/pose'"),
     Goes("bag record --all --start-paused -o NEW", "Recording..."),
     Goes("bag play BAG --loop", "Playback until"),
@@ -112,7 +117,7 @@ class Stamps(Node):
 def turtle(fresh_domain: None) -> Iterator[Node]:
     """A simulator, servers that behave badly in a process of their own, and /asleep, which nobody spins."""
     with program("tests.ros2_servers"), running(TurtleSim, Stamps) as (node, _):
-        asleep = Node("asleep")
+        asleep = LifecycleNode("asleep")
         yield node
         asleep.destroy_node()
 

@@ -15,15 +15,18 @@ from typing import NoReturn
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ending.signals import asking_to_end
 from course_kit.long_tasks import long_task
+from course_kit.ros2.refused import refusal
 from course_kit.ros2.session import DurationOver, Session
 from course_kit.ros2.verbs import CommandError, Verb, cut, flag
 
 COMMANDS = {
     "action": "send goals, and see who offers actions",
     "bag": "record topics into bags, look into them, play them",
+    "daemon": "for scripts that start one: none is needed here",
     "doctor": "check this machine, the packages and the graph",
     "interface": "show the types of messages, services and actions",
     "launch": "start what a launch file describes",
+    "lifecycle": "see and change the states of lifecycle nodes",
     "node": "list nodes, and what each is connected to",
     "param": "read and set the parameters of nodes",
     "pkg": "create packages, and find those that are there",
@@ -60,15 +63,14 @@ def _fill(parser: ArgumentParser, command: str, *named: str) -> None:
     parser.set_defaults(named=parser)
     if hasattr(module, "add_arguments"):
         module.add_arguments(parser)
-    verb: Verb | None = getattr(module, "COMMAND", None)
-    if verb is None:
-        verbs: Mapping[str, Verb] = module.VERBS
-        parsers = _subparsers(parser, {name: one.summary for name, one in verbs.items()}, named)
-        if not named or named[0] not in verbs:
-            return
+    verbs: Mapping[str, Verb] = getattr(module, "VERBS", {})
+    verb: Verb | None = getattr(module, "COMMAND", None)  # what the command itself does, without a verb
+    parsers = _subparsers(parser, {name: one.summary for name, one in verbs.items()}, named) if verbs else {}
+    if named and named[0] in verbs:
         parser, verb = parsers[named[0]], verbs[named[0]]
-    verb.arguments(parser)
-    parser.set_defaults(verb=verb)
+    if verb is not None:
+        verb.arguments(parser)
+        parser.set_defaults(verb=verb)
 
 
 def _subparsers(
@@ -93,6 +95,9 @@ def run(words: Sequence[str]) -> int:
     for word in words:
         if "\0" in word or any("\ud800" <= character <= "\udfff" for character in word):
             parser.error(f"{word!a} is no text of ROS, whose names and strings are UTF-8 without NUL")
+    if text := refusal(words):
+        print(text, file=sys.stderr)
+        return 1
     args = parser.parse_args(words)
     if args.verb is None:
         args.named.print_help()

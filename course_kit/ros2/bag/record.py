@@ -32,6 +32,9 @@ UNSUPPORTED: dict[str, dict[str, Any]] = {
     "--serialization-format": {},
     "--compression-mode": {"choices": ["none", "file", "message"]},
     "--compression-format": {},
+    "--compression-queue-size": {},
+    "--compression-threads": {},
+    "--compression-threads-priority": {},
 }
 
 
