@@ -72,6 +72,7 @@ VERBS = [
     Goes(f"service call /nobody {TRIGGER}", "waiting for service"),
     Goes("service call /clear std_srvs/srv/Empty -r 9e9", "response:"),
     Goes("service call /clear std_srvs/srv/Empty -r 1e-9", "response:"),
+    Goes("service echo /spawn", "No publishers on topic"),
     Goes(f"action send_goal /nobody {FIBONACCI} {{}}", "Waiting for an action server"),
     Goes(f"action send_goal /endless {FIBONACCI} {{}}", "Goal accepted", 0),
     Goes(f"action send_goal /stubborn {FIBONACCI} {{}}", "Goal accepted", 1),

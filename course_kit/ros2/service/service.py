@@ -1,4 +1,4 @@
-"""`ros2 service`: list, type, find, info here; call in a module of its own."""
+"""`ros2 service`: list, type, find, info here; call and echo in modules of their own."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from argparse import Namespace
 
 from course_kit.ros2.named import SERVICES
 from course_kit.ros2.service.call import CALL
+from course_kit.ros2.service.echo import ECHO
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import GRAPH, Verb
 
@@ -22,5 +23,6 @@ def _info(args: Namespace, session: Session) -> None:
 VERBS = {
     **SERVICES.verbs(),
     "call": CALL,
+    "echo": ECHO,
     "info": Verb("show the type of a service, and how many offer and use it", _info, GRAPH, SERVICES.name),
 }
