@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import shlex
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -15,7 +16,9 @@ from typing import NamedTuple
 import pytest
 from geometry_msgs.msg import PoseStamped
 from rclpy.lifecycle import LifecycleNode
+from nav_msgs.msg import Path as Walk
 from rclpy.node import Node
+from rclpy.serialization import serialize_message
 
 from course_kit import bags
 from course_kit.background.running import running
@@ -73,6 +76,7 @@ VERBS = [
     Goes(f"service call /nobody {TRIGGER}", "waiting for service"),
     Goes("service call /clear std_srvs/srv/Empty -r 9e9", "response:"),
     Goes("service call /clear std_srvs/srv/Empty -r 1e-9", "response:"),
+    Goes("service echo /spawn", "No publishers on topic"),
     Goes(f"action send_goal /nobody {FIBONACCI} {{}}", "Waiting for an action server"),
     Goes(f"action send_goal /endless {FIBONACCI} {{}}", "Goal accepted", 0),
     Goes(f"action send_goal /stubborn {FIBONACCI} {{}}", "Goal accepted", 1),
@@ -111,6 +115,16 @@ class Stamps(Node):
         message = PoseStamped()
         message.header.stamp = self.get_clock().now().to_msg()
         self.publisher.publish(message)
+
+
+class Walks(Node):
+    """Publishes paths so long that a command which reads them does little else."""
+
+    def __init__(self) -> None:
+        super().__init__("walks")
+        publisher = self.create_publisher(Walk, "walk", 10)
+        walk = serialize_message(Walk(poses=[PoseStamped()] * 2000))
+        self.create_timer(0.05, lambda: publisher.publish(walk))
 
 
 @pytest.fixture(scope="module")
@@ -191,6 +205,39 @@ def test_an_interrupt_ends_it(
     assert (status, seconds < WITHIN) == (goes.status, True), f"after {seconds:.1f} s: {written}"
     assert "Traceback" not in written
     assert turtle.context.ok()
+
+
+def test_an_interrupt_in_the_midst_of_a_message_is_no_error(turtle: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+    with running(Walks):
+        for _ in range(20):
+            wait_for(lambda: not is_used("/walk", turtle))
+            output = io.StringIO()
+            monkeypatch.setattr(sys, "stdout", output)
+            words = ["topic", "echo", "/walk", "--field", "header.frame_id"]
+            status, seconds = run_interrupted(words, "---", turtle, output)
+            assert (status, seconds is not None and seconds < WITHIN) == (signal.SIGINT, True)
+
+
+# An interrupt while the command is still importing what its verb needs.
+EARLY = """
+import signal, sys
+from course_kit.ros2 import command
+
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "course_kit.ros2.topic.topic":
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+command.main()
+"""
+
+
+def test_an_interrupt_before_a_verb_runs_ends_quietly() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", EARLY, "topic", "list"], capture_output=True, text=True, timeout=TIMEOUT
+    )
+    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "", signal.SIGINT)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from course_kit.ending.signals import asking_to_end
 from course_kit.long_tasks import long_task
 from course_kit.ros2.refused import refusal
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import CommandError, Verb, cut, flag
+from course_kit.ros2.verbs import CommandError, Verb, cut, flag, was_interrupt
 
 COMMANDS = {
     "action": "send goals, and see who offers actions",
@@ -116,6 +116,10 @@ def run(words: Sequence[str]) -> int:
         if error.suggestion:
             session.warn(error.suggestion)
         return error.status
+    except Exception as error:
+        if was_interrupt(error):
+            return int(signal.SIGINT)
+        raise
 
 
 def main() -> NoReturn:
@@ -130,6 +134,8 @@ def main() -> NoReturn:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # also in a shell's background, where it is ignored
     try:
         status = run(words)
+    except KeyboardInterrupt:  # before the verb began
+        status = int(signal.SIGINT)
     except BrokenPipeError:  # as in `ros2 topic echo ... | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         status = 1

@@ -52,7 +52,14 @@ def failing(*kinds: type[BaseException], say: Callable[[Any], str] = str) -> Ite
     try:
         yield
     except kinds as error:
+        if was_interrupt(error):
+            raise KeyboardInterrupt from None
         raise CommandError(say(error)) from None
+
+
+def was_interrupt(error: BaseException) -> bool:
+    """Whether an interrupt became this error: in the midst of a message's conversion rclpy makes another of it."""
+    return isinstance(error.__cause__, KeyboardInterrupt)
 
 
 def one_line(error: Exception) -> str:

@@ -32,6 +32,8 @@ NUMBER_OPTIONS = (
     "param list --spin-time",
     "topic echo /turtle1/pose --timeout",
     "topic echo /turtle1/pose --truncate-length",
+    "service echo /spawn --truncate-length",
+    "service echo /spawn --duration",
     f"{TWIST} --rate",
     f"{TWIST} --keep-alive",
     f"{TWIST} --max-wait-time-secs",
