@@ -12,7 +12,10 @@ from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
 from rclpy.node import Node
 
 from course_kit.background.running import run, stop
+from course_kit.watching import instruments
 from tests.ros2_command import ros2
+from tests.ros2_running import Running
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")
 
@@ -57,13 +60,64 @@ def test_what_cannot_be_loaded_is_said_in_a_line(robot: Node, tmp_path: Path) ->
     for text, error in (
         (None, f"No such file or directory: '{file}'\n"),
         ("{a: 1", f"{file} is no YAML: while parsing"),
-        ("{/other: {ros__parameters: {a: 1}}}", "Param file does not contain parameters for /robot,"),
+        ("{/other: {wheel: 1}}", "YAML file is not a valid ROS parameter file for node /other\n"),
+        ("{/robot: {ros__parameters: {1: 2}}}", f"{file} is no parameter file: write '/robot: {{ros__parameters:"),
+        ("{}", "Param file does not contain selected parameters\n"),
     ):
         if text is not None:
             file.write_text(text)
         outcome = ros2("param", "load", "/robot", str(file))
         assert (outcome.out, outcome.status, outcome.err.count("\n")) == ("", 1, 1)
         assert outcome.err.startswith(error)
+
+
+def test_a_file_is_loaded_whichever_nodes_it_names(robot: Node, tmp_path: Path) -> None:
+    """What the node's own name stands before counts most, what /** stands before least."""
+    file, own, every = tmp_path / "some.yaml", {"wheel": 1}, {"wheel": 2, "wheel.radius": 0.5}
+    other = {"wheel": 3, "arm": {"joints": ["wrist"]}}
+
+    def load(*options: str, **groups: Any) -> tuple[str, str]:
+        file.write_text(yaml.dump({name: {"ros__parameters": group} for name, group in groups.items()}))
+        outcome = ros2("param", "load", "/robot", str(file), *options)
+        assert not outcome.err or outcome.status == 1
+        return outcome.out, outcome.err
+
+    assert load(**{"/**": every})[0].count("successful\n") == 2
+    assert (robot.get_parameter("wheel").value, robot.get_parameter("wheel.radius").value) == (2, 0.5)
+    assert load(**{"/other": other})[0] == "Set parameter arm.joints successful\nSet parameter wheel successful\n"
+    assert (robot.get_parameter("wheel").value, robot.get_parameter("arm.joints").value) == (3, ["wrist"])
+    load(**{"/robot": own, "/other": other, "/**": every})
+    assert robot.get_parameter("wheel").value == 1
+    assert load("--no-use-wildcard", **{"/**": every}) == ("", "Param file does not contain selected parameters\n")
+    assert load("--no-use-wildcard", **{"/**": {"wheel": 9}, "/robot": {"spare": False}})[0].count("\n") == 1
+    assert robot.get_parameter("wheel").value == 1
+
+
+@pytest.mark.parametrize(
+    ("verb", "rest", "said"),
+    [
+        ("delete", "spare", "Deleted parameter successfully"),
+        ("describe", "wheel", "Parameter name: wheel"),
+        ("dump", "", "wheel: 4"),
+        ("get", "wheel", "Integer value is: 4"),
+        ("list", "", "  wheel"),
+        ("load", "<file>", "Set parameter wheel successful"),
+        ("set", "wheel 5", "Set parameter successful"),
+    ],
+)
+def test_a_node_that_only_starts_is_waited_for(verb: str, rest: str, said: str, tmp_path: Path) -> None:
+    file = tmp_path / "file.yaml"
+    file.write_text("{/**: {ros__parameters: {wheel: 5}}}")
+    words = ["param", verb, "/robot", *rest.replace("<file>", str(file)).split()]
+    absent = ros2(*words, "--timeout", "0")
+    assert (absent.out, absent.err, absent.status) == ("", "Node not found\n", 1)
+    with Running(*words, "--timeout", "50") as waiting:
+        wait_until(lambda: any(name.startswith("_ros2cli") for name in instruments.node().get_node_names()))
+        node = run(Robot)
+        outcome = waiting.end()
+        stop(node)
+    assert (outcome.err, outcome.status) == ("", 0)
+    assert said in outcome.out
 
 
 def test_parameters_are_described_and_deleted(robot: Node) -> None:

@@ -44,6 +44,7 @@ FILES = {  # by sign: name and text
     "<empty>": ("empty.yaml", ""),
     "<latin>": ("latin.yaml", "caf\udce9"),
     "<too_large>": ("large.yaml", "/turtlesim: {ros__parameters: {background_r: 100000000000000000000000}}\n"),
+    "<everywhere>": ("everywhere.yaml", "/**: {ros__parameters: {background_r: 1}}\n"),
     "<list>": ("list.yaml", "/turtlesim: {ros__parameters: [1, 2]}\n"),
     "<no_parameters>": ("none.yaml", "/turtlesim: {a: 1}\n"),
     "<depth>": ("depth.yaml", "/turtle1/pose: {depth: -1}\n"),

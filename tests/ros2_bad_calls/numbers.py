@@ -30,6 +30,7 @@ NUMBER_OPTIONS = (
     "action list --spin-time",
     "node list --spin-time",
     "param list --spin-time",
+    "param list --timeout",
     "topic echo /turtle1/pose --timeout",
     "topic echo /turtle1/pose --truncate-length",
     "service echo /spawn --truncate-length",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Callable
+from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -49,16 +50,20 @@ _span = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
 
 def _play(args: Namespace, session: Session) -> int:
     options.refuse_unsupported(args, UNSUPPORTED)
-    wanted = _options(args)
+    paths, wanted = options.bag_paths(args), _options(args)
 
     from course_kit.bags.files import opened
     from course_kit.bags.storage import BagError
+    from course_kit.bags.together import together
     from course_kit.ros2.bag.keys import keys
 
     has_keys = not (session.in_notebook or args.disable_keyboard_controls)
-    with failing_with(BagError), opened(args.bag_path) as bag, keys(has_keys) as pressed:
-        options.say_what_is_left(bag, session)
-        return _run(bag, wanted, session, pressed if has_keys else None, args.log_level)
+    with failing_with(BagError), ExitStack() as stack:
+        bags = [stack.enter_context(opened(path)) for path in paths]
+        for bag in bags:
+            options.say_what_is_left(bag, session)
+        pressed = stack.enter_context(keys(has_keys))
+        return _run(together(bags), wanted, session, pressed if has_keys else None, args.log_level)
 
 
 def _run(
@@ -127,7 +132,7 @@ def _options(args: Namespace) -> PlayOptions:
 PLAY = Verb(
     "publish what a bag holds, as it was recorded",
     _play,
-    options.BAG,
+    options.BAGS,
     argument("--read-ahead-queue-size", "how many messages are read ahead (default: 1000)", type=whole, default=1000),
     argument("-r --rate", "how many times as fast (default: 1)", type=_positive, default=1.0),
     argument("--topics", "only these topics", default=[], metavar="topic", nargs="+"),
