@@ -30,7 +30,7 @@ class DeclareLaunchArgument(Action):
         self.default_value = None if default_value is None else normalize(default_value)
         self.choices = None if choices is None else list(choices)
         self.description = _description(description, self.choices)
-        self._conditionally_included = False
+        self._conditionally_included = self._is_given_by_an_include = False
         if self.choices is None:
             return
         if not self.choices:
@@ -184,7 +184,7 @@ class GroupAction(Action):
         if self.scoped:
             context.push_scope()
             if not self.forwarding:
-                context.launch_configurations.clear()
+                context.forget_values()
         context.launch_configurations.update(values)
         return [*self.actions, OpaqueFunction(function=LaunchContext.pop_scope)] if self.scoped else self.actions
 

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import typing
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.substitutions import SomeSubstitutions, Substitution, is_substitution, normalize, perform
-from course_kit.launching.uncovered import not_covered
+from course_kit.launching.substitution_texts import parsed
+from course_kit.launching.substitutions import (
+    SomeSubstitutions,
+    Substitution,
+    as_bool,
+    as_text,
+    is_substitution,
+    normalize,
+    perform,
+)
 
 SCALARS = (bool, int, float, str)
 _UNIFORM = (
@@ -43,19 +53,30 @@ class ParameterFile:
     """A YAML file of parameters."""
 
     def __init__(self, param_file: SomeSubstitutions, *, allow_substs: Any = False) -> None:
-        if allow_substs:
-            raise not_covered("ParameterFile(allow_substs=...)")
         self.param_file = normalize(param_file)
+        self.allow_substs = allow_substs
 
     def evaluate(self, context: LaunchContext) -> str:
-        """The path."""
-        return perform(context, self.param_file)
+        """The path: if the file may have substitutions in it, that of a copy with what they become."""
+        path = perform(context, self.param_file)
+        if not as_bool(perform(context, as_text(self.allow_substs))):
+            return path
+        return temporary_file(context, perform(context, parsed(Path(path).read_text(encoding="utf-8"))))
+
+
+def temporary_file(context: LaunchContext, text: str) -> str:
+    """The path of a new file of parameters, which is there until the launch is over."""
+    with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False, encoding="utf-8") as file:
+        file.write(text)
+    context.temporary_files.append(file.name)
+    return file.name
 
 
 def _from_yaml(text: str) -> Any:
     import yaml  # type: ignore[import-untyped]
 
-    return yaml.safe_load(text)
+    value = yaml.safe_load(text)
+    return "" if value is None else value  # an argument that is empty stands for an empty text
 
 
 def _typed(value: Any, wanted: Any) -> Any:

@@ -50,23 +50,34 @@ COVERED: dict[str, dict[str, str]] = {
     },
     "launch.launch_context": {"context": "LaunchContext"},
     "launch.launch_description": {"entities": "LaunchDescription"},
-    "launch.launch_description_sources": {"include": "AnyLaunchDescriptionSource PythonLaunchDescriptionSource"},
+    "launch.launch_description_sources": {
+        "include": "AnyLaunchDescriptionSource FrontendLaunchDescriptionSource=AnyLaunchDescriptionSource "
+        "PythonLaunchDescriptionSource"
+    },
     "launch.logging": {"output": "get_logger"},
     "launch.some_substitutions_type": {"substitutions": "SomeSubstitutionsType=SomeSubstitutions"},
     "launch.substitution": {"substitutions": "Substitution"},
     "launch.substitutions": {
-        "conditions": "AndSubstitution EqualsSubstitution NotEqualsSubstitution NotSubstitution OrSubstitution",
-        "substitutions": "Command EnvironmentVariable FindExecutable LaunchConfiguration LocalSubstitution "
-        "PathJoinSubstitution PythonExpression SubstitutionFailure TextSubstitution ThisLaunchFile ThisLaunchFileDir",
+        "conditions": "AllSubstitution AndSubstitution AnySubstitution EqualsSubstitution IfElseSubstitution "
+        "NotEqualsSubstitution NotSubstitution OrSubstitution",
+        "machine_substitutions": "AnonName Command FileContent FindExecutable LaunchLogDir",
+        "substitutions": "EnvironmentVariable LaunchConfiguration LocalSubstitution PathJoinSubstitution "
+        "PythonExpression SubstitutionFailure TextSubstitution ThisLaunchFile ThisLaunchFileDir",
     },
     "launch.utilities": {"substitutions": "normalize_to_list_of_substitutions=normalize perform_substitutions=perform"},
     "launch_ros": {},
-    "launch_ros.actions": {"node": "Node PushROSNamespace PushRosNamespace=PushROSNamespace SetParameter SetRemap"},
+    "launch_ros.actions": {
+        "node": "Node PushROSNamespace PushRosNamespace=PushROSNamespace SetParameter SetParametersFromFile SetRemap"
+    },
     "launch_ros.descriptions": {"parameters": "ParameterFile ParameterValue"},
     "launch_ros.parameter_descriptions": {"parameters": "ParameterFile ParameterValue"},
     "launch_ros.substitutions": {
         "package_substitutions": "ExecutableInPackage FindPackage FindPackagePrefix FindPackageShare"
     },
+    "launch_xml": {},
+    "launch_xml.launch_description_sources": {"include": "XMLLaunchDescriptionSource=AnyLaunchDescriptionSource"},
+    "launch_yaml": {},
+    "launch_yaml.launch_description_sources": {"include": "YAMLLaunchDescriptionSource=AnyLaunchDescriptionSource"},
 }
 
 

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import importlib
 import os
-import shlex
-import shutil
-import subprocess
 from collections.abc import Iterable
 from typing import Any, Union
 
-from course_kit.launching import output
 from course_kit.launching.context import LaunchContext
 
 # What a launch file may give wherever a text is wanted.
@@ -218,45 +214,3 @@ class PythonExpression(Substitution):
                 names.update(vars(module))
             names[module.__name__] = module
         return str(eval(perform(context, self.expression), {}, names))
-
-
-class Command(Composed):
-    """What a command prints."""
-
-    shown = "Command({command})"
-
-    def __init__(self, command: SomeSubstitutions, *, on_stderr: SomeSubstitutions = "fail") -> None:
-        super().__init__(command=command, on_stderr=on_stderr)
-
-    def _text(self, context: LaunchContext, line: str, on_stderr: str) -> str:
-        if on_stderr not in ("fail", "ignore", "warn", "capture"):
-            raise SubstitutionFailure("expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'")
-        merged = subprocess.STDOUT if on_stderr == "capture" else subprocess.PIPE
-        try:
-            done = subprocess.run(shlex.split(line), stdout=subprocess.PIPE, stderr=merged, text=True)
-        except (FileNotFoundError, PermissionError) as error:
-            raise SubstitutionFailure(f"file not found: {error}") from None
-        if done.returncode != 0:
-            said = f"\nCaptured stderr output: {done.stderr}" if done.stderr else ""
-            raise SubstitutionFailure(f"executed command failed. Command: {line}{said}")
-        if done.stderr and on_stderr in ("fail", "warn"):
-            message = f"executed command showed stderr output. Command: {line}\nCaptured stderr output:\n{done.stderr}"
-            if on_stderr == "fail":
-                raise SubstitutionFailure(message)
-            output.get_logger("launch").warning(message)
-        return done.stdout
-
-
-class FindExecutable(Composed):
-    """The path of a program on PATH."""
-
-    shown = "FindExec({name})"
-
-    def __init__(self, *, name: SomeSubstitutions) -> None:
-        super().__init__(name=name)
-
-    def _text(self, context: LaunchContext, name: str) -> str:
-        path = shutil.which(name)
-        if path is None:
-            raise SubstitutionFailure(f"executable '{name}' not found on the PATH")
-        return path
