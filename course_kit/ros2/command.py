@@ -14,6 +14,7 @@ from typing import NoReturn
 
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ending.signals import asking_to_end
+from course_kit.internals.import_parts import import_less
 from course_kit.long_tasks import long_task
 from course_kit.ros2.refused import refusal
 from course_kit.ros2.session import DurationOver, Session
@@ -124,6 +125,7 @@ def run(words: Sequence[str]) -> int:
 
 def main() -> NoReturn:
     """Entry point of the `ros2` program."""
+    import_less()
     if "_ARGCOMPLETE" in os.environ:
         importlib.import_module("course_kit.ros2.line_completion").answer_shell()
     words = sys.argv[1:]
