@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import pytest
 from geometry_msgs.msg import PoseStamped
-from rclpy.lifecycle import LifecycleNode
 from nav_msgs.msg import Path as Walk
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 

@@ -7,7 +7,7 @@ import importlib
 import os
 import signal
 import sys
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Mapping, Sequence
 from types import FrameType
 from typing import NoReturn
@@ -15,10 +15,11 @@ from typing import NoReturn
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ending.signals import asking_to_end
 from course_kit.internals.import_parts import import_less
+from course_kit.kernel import in_kernel
 from course_kit.long_tasks import long_task
 from course_kit.ros2.refused import refusal
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import CommandError, Verb, cut, flag, was_interrupt
+from course_kit.ros2.verbs import BACKGROUND, CommandError, Verb, background, cut, flag, was_interrupt
 
 COMMANDS = {
     "action": "send goals, and see who offers actions",
@@ -39,6 +40,7 @@ COMMANDS = {
 _MODULES = {"wtf": "doctor"}
 END_TIMEOUT = 3.0  # seconds for leaving the graph
 DESCRIPTION = "What runs on ROS 2 here: look at it, try it, start it."
+OF_A_NOTEBOOK = f"\nWith {BACKGROUND} at its end a command goes on in a view of its own, until stop()."
 
 
 class _Parser(ArgumentParser):
@@ -48,7 +50,8 @@ class _Parser(ArgumentParser):
 
 def parser_for(words: Sequence[str]) -> ArgumentParser:
     """The parser of a command line: complete for the command and the verb that it names, a line for each other."""
-    parser = _Parser(prog="ros2", description=DESCRIPTION, formatter_class=RawDescriptionHelpFormatter)
+    description = DESCRIPTION + (OF_A_NOTEBOOK if in_kernel() else "")
+    parser = _Parser(prog="ros2", description=description, formatter_class=RawDescriptionHelpFormatter)
     flag("--use-python-default-buffering", "do not write each line at once where the output is no terminal")(parser)
     named = [word for word in words if not word.startswith("-")]
     parsers = _subparsers(parser, COMMANDS, named)
@@ -71,6 +74,7 @@ def _fill(parser: ArgumentParser, command: str, *named: str) -> None:
         parser, verb = parsers[named[0]], verbs[named[0]]
     if verb is not None:
         verb.arguments(parser)
+        background(parser)
         parser.set_defaults(verb=verb)
 
 
@@ -92,20 +96,29 @@ def _subparsers(
 
 def run(words: Sequence[str]) -> int:
     """Run a command line; return its exit status. A wrong one exits with usage on stderr (SystemExit 2)."""
+    return perform(parsed(words))
+
+
+def parsed(words: Sequence[str]) -> Namespace:
+    """A command line's arguments, its verb, None if it names none, and its words. SystemExit as above."""
     parser = parser_for(words)
     for word in words:
         if "\0" in word or any("\ud800" <= character <= "\udfff" for character in word):
             parser.error(f"{word!a} is no text of ROS, whose names and strings are UTF-8 without NUL")
     if text := refusal(words):
         print(text, file=sys.stderr)
-        return 1
-    args = parser.parse_args(words)
+        raise SystemExit(1)
+    return parser.parse_args(words)
+
+
+def perform(args: Namespace) -> int:
+    """Do what a command line says; return its exit status."""
     if args.verb is None:
         args.named.print_help()
         return 0
     session = Session(args)
     try:
-        with long_task(lambda: f"ros2 {' '.join(words)}", getattr(args, "duration", None)):
+        with long_task(lambda: f"ros2 {' '.join(args.words)}", getattr(args, "duration", None)):
             return args.verb.run(args, session) or 0
     except DurationOver:
         return 0

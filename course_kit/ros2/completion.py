@@ -11,8 +11,10 @@ from argparse import Namespace
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from course_kit.kernel import in_kernel
 from course_kit.programs import packages
 from course_kit.ros2.session import Session
+from course_kit.ros2.verbs import BACKGROUND
 
 KINDS = {"topic": "msg", "service": "srv", "action": "action"}  # what an interface of each is called in a package
 
@@ -88,4 +90,5 @@ def fields_of(kind: str, type_argument: str) -> Callable[..., list[str]]:
     return offer
 
 
+of_background = offering(lambda args: [BACKGROUND] if in_kernel() else [])  # where all words are a program's
 package_names = offering(lambda args: packages.package_names())

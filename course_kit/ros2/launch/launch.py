@@ -69,8 +69,7 @@ def _arguments_of(path: str) -> list[Any]:
 def _run(args: Namespace, session: Session) -> int:
     if session.in_notebook or args.duration is not None:
         # A launch has a loop, signals and an environment of its own, so it is a process of its own.
-        start = "from course_kit.ros2.command import main; main()"
-        return children.run_in_notebook([sys.executable, "-c", start, *_without_duration(args.words)], session)
+        return children.run_in_notebook([*children.PROGRAM, *_without_duration(args.words)], session)
     if _is_real():
         _hand_over(args.words)
     path, given = find_launch_file(args)
