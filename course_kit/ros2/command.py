@@ -17,6 +17,7 @@ from course_kit.ending.signals import asking_to_end
 from course_kit.internals.import_parts import import_less
 from course_kit.kernel import in_kernel
 from course_kit.long_tasks import long_task
+from course_kit.ros2.examples import example
 from course_kit.ros2.refused import refusal
 from course_kit.ros2.session import DurationOver, Session
 from course_kit.ros2.verbs import BACKGROUND, CommandError, Verb, background, cut, flag, was_interrupt
@@ -74,6 +75,7 @@ def _fill(parser: ArgumentParser, command: str, *named: str) -> None:
         parser, verb = parsers[named[0]], verbs[named[0]]
     if verb is not None:
         verb.arguments(parser)
+        parser.epilog = example(parser.prog.removeprefix("ros2 "))
         background(parser)
         parser.set_defaults(verb=verb)
 

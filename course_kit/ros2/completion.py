@@ -80,7 +80,7 @@ def fields_of(kind: str, type_argument: str) -> Callable[..., list[str]]:
         from course_kit.ros2.interface.interface import definition
 
         type_name = getattr(parsed_args, type_argument) or ""
-        with contextlib.suppress(LookupError, ValueError):
+        with contextlib.suppress(Exception):  # rosidl_adapter has several for what it cannot read, such as IDL
             message = Fillable(
                 type_name if type_name.count("/") > 1 else type_name.replace("/", f"/{kind}/"), definition
             )
