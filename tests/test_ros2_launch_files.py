@@ -105,7 +105,7 @@ def test_arguments_are_checked(prefix: Prefix) -> None:
     ("text", "name"),
     [
         ("from launch.actions import ForLoop", "launch.actions.ForLoop"),
-        ("from launch_ros.actions import LifecycleNode", "launch_ros.actions.LifecycleNode"),
+        ("from launch_ros.actions import ComposableNodeContainer", "launch_ros.actions.ComposableNodeContainer"),
         ("from launch_ros.descriptions import ComposableNode", "launch_ros.descriptions.ComposableNode"),
         ("import launch.frontend", "launch.frontend"),
         ("import launch\nlaunch.actions.ForLoop()", "launch.actions.ForLoop"),

@@ -67,9 +67,13 @@ COVERED: dict[str, dict[str, str]] = {
     "launch.utilities": {"substitutions": "normalize_to_list_of_substitutions=normalize perform_substitutions=perform"},
     "launch_ros": {},
     "launch_ros.actions": {
-        "node": "Node PushROSNamespace PushRosNamespace=PushROSNamespace SetParameter SetParametersFromFile SetRemap"
+        "lifecycle": "LifecycleNode",
+        "node": "Node PushROSNamespace PushRosNamespace=PushROSNamespace SetParameter SetParametersFromFile SetRemap",
     },
     "launch_ros.descriptions": {"parameters": "ParameterFile ParameterValue"},
+    "launch_ros.event_handlers": {"lifecycle": "OnStateTransition"},
+    "launch_ros.events": {},
+    "launch_ros.events.lifecycle": {"lifecycle": "ChangeState StateTransition"},
     "launch_ros.parameter_descriptions": {"parameters": "ParameterFile ParameterValue"},
     "launch_ros.substitutions": {
         "package_substitutions": "ExecutableInPackage FindPackage FindPackagePrefix FindPackageShare"
