@@ -176,6 +176,10 @@ def test_a_broken_file_is_told_as_the_real_one_tells_it(prefix: Prefix, text: st
         ('Node(package="demo", executable="x")', "executable 'x' not found on the libexec directory '"),
         ('Node(executable="true", name="a b")', "Invalid node name"),
         ('Node(executable="true", parameters=[{"a": [1, "b"]}])', "Expected a non-empty sequence"),
+        (
+            'Node(executable="true", parameters=[{"a": {"b": Command("echo b: c: d")}}])',
+            "value of parameter a.b is no YAML",
+        ),
     ],
 )
 def test_what_fails_while_it_runs_is_one_line(prefix: Prefix, entity: str, reason: str) -> None:
