@@ -105,7 +105,7 @@ def test_arguments_are_checked(prefix: Prefix) -> None:
     ("text", "name"),
     [
         ("from launch.actions import ForLoop", "launch.actions.ForLoop"),
-        ("from launch_ros.actions import LifecycleNode", "launch_ros.actions.LifecycleNode"),
+        ("from launch_ros.actions import ComposableNodeContainer", "launch_ros.actions.ComposableNodeContainer"),
         ("from launch_ros.descriptions import ComposableNode", "launch_ros.descriptions.ComposableNode"),
         ("import launch.frontend", "launch.frontend"),
         ("import launch\nlaunch.actions.ForLoop()", "launch.actions.ForLoop"),
@@ -176,6 +176,10 @@ def test_a_broken_file_is_told_as_the_real_one_tells_it(prefix: Prefix, text: st
         ('Node(package="demo", executable="x")', "executable 'x' not found on the libexec directory '"),
         ('Node(executable="true", name="a b")', "Invalid node name"),
         ('Node(executable="true", parameters=[{"a": [1, "b"]}])', "Expected a non-empty sequence"),
+        (
+            'Node(executable="true", parameters=[{"a": {"b": Command("echo b: c: d")}}])',
+            "value of parameter a.b is no YAML",
+        ),
     ],
 )
 def test_what_fails_while_it_runs_is_one_line(prefix: Prefix, entity: str, reason: str) -> None:

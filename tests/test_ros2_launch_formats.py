@@ -377,6 +377,7 @@ def test_substitutions_give_their_texts(prefix: Prefix) -> None:
         ("xml", "<log message='$(file-content /nope)'/>", "Failed to open file at /nope"),
         ("xml", "<include file='/nope.launch.xml'/>", "'/nope.launch.xml': "),
         ("xml", "<set_parameters_from_file filename='/nope'/>", "there is no file '/nope'"),
+        ("xml", "<include file='$(find-pkg-share demo)/demo.launch.xml'/>", "does a launch file include itself?"),
         ("xml", "<node_container/>", "<node_container> is not covered here: it needs the real `ros2 launch`"),
         ("xml", "<log message='$(param a)'/>", "the substitution $(param ...) is not covered here"),
         ("yaml", "\n- node", "Expected one tag with a colon behind it, got 'node'"),

@@ -10,6 +10,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rclpy.node import Node as RosNode
+
     from course_kit.launching.events import Event
     from course_kit.launching.handlers import EventHandler
     from course_kit.launching.substitutions import Substitution
@@ -37,6 +39,7 @@ class LaunchContext:
         self.handlers: deque[EventHandler] = deque()
         self.node_names: Counter[str] = Counter()
         self.temporary_files: list[str] = []
+        self.ros_node: RosNode | None = None  # of this launch, if something needs it
         self.token = ""  # marks the processes of this launch
         self.group_interrupted = False  # a Ctrl-C reached every process by itself
         self.environment = os.environ  # of processes; a launch file may change it

@@ -30,8 +30,6 @@ class EmitEvent(Action):
 class Shutdown(EmitEvent):
     """Ends the launch."""
 
-    __module__ = "launch.actions.shutdown_action"
-
     def __init__(self, *, reason: str = "reason not given", **options: Any) -> None:
         super().__init__(event=events.Shutdown(reason=reason, due_to_sigint=False), **options)
 

@@ -86,7 +86,7 @@ def _load_tags(path: str, kind: str) -> LaunchDescription:
     from course_kit.launching import tag_actions, tags
 
     read = tags.xml_tag if kind == "xml" else tags.yaml_tag
-    return tag_actions.description_of(read(Path(path).read_text(encoding="utf-8")))
+    return tag_actions.description_of(read(Path(path).read_bytes()))
 
 
 class LaunchDescriptionSource:

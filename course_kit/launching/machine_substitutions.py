@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import secrets
+import random
 import shlex
 import shutil
 import socket
@@ -89,5 +89,5 @@ class AnonName(Composed):
 
     def _text(self, context: LaunchContext, name: str) -> str:
         host = socket.gethostname().replace(".", "_").replace("-", "_").replace(":", "_")
-        made = f"{name}_{host}_{os.getpid()}_{secrets.randbelow(2**32)}"
+        made = f"{name}_{host}_{os.getpid()}_{random.getrandbits(32)}"
         return str(context.launch_configurations.setdefault(f"anon{name}", made))

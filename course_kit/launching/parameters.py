@@ -96,13 +96,21 @@ def _typed(value: Any, wanted: Any) -> Any:
 
 def flat(context: LaunchContext, parameters: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:
     """Parameters by their full names: those of nested dictionaries joined by dots."""
+    import yaml
+
     found: dict[str, Any] = {}
     for name, value in parameters.items():
         full = prefix + perform(context, name)
         if isinstance(value, Mapping):
             found |= flat(context, value, f"{full}.")
         else:
-            found[full] = evaluated(context, value)
+            try:
+                found[full] = evaluated(context, value)
+            except yaml.YAMLError:
+                raise TypeError(
+                    f"The value of parameter {full} is no YAML: if it is meant to be a text, give it as "
+                    "launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
+                ) from None
     return found
 
 

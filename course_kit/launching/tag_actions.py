@@ -19,7 +19,15 @@ from course_kit.launching.tags import Tag
 from course_kit.launching.uncovered import not_covered
 
 Options = dict[str, Any]
-_UNCOVERED = ("composable_node", "for", "for_each", "load_composable_node", "node_container", "ros_timer")
+_UNCOVERED = (
+    "composable_node",
+    "for",
+    "for_each",
+    "lifecycle_node",
+    "load_composable_node",
+    "node_container",
+    "ros_timer",
+)
 _TYPES = {"bool": bool, "float": float, "int": int, "str": str}
 _TYPES |= {f"list_of_{name}s": list[kind] for name, kind in _TYPES.items()}  # type: ignore[valid-type, misc]
 

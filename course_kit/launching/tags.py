@@ -68,7 +68,7 @@ def _guess(text: str) -> Any:
     return value if isinstance(value, (bool, int, float, str, list)) else text
 
 
-def xml_tag(text: str) -> Tag:
+def xml_tag(text: bytes) -> Tag:
     """The outermost tag of an XML file. ParseError if it is no XML."""
     from xml.etree import ElementTree
 
@@ -82,7 +82,7 @@ def _of_element(element: Element) -> Tag:
     return Tag(element.tag, dict(element.attrib), [_of_element(inner) for inner in element], is_xml=True)
 
 
-def yaml_tag(text: str) -> Tag:
+def yaml_tag(text: bytes) -> Tag:
     """The outermost tag of a YAML file. YAMLError if it is no YAML, ValueError if it has no tags."""
     import yaml
 

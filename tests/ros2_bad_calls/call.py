@@ -54,6 +54,8 @@ FILES = {  # by sign: name and text
     "<broken.mcap>": ("broken.mcap", "no mcap"),
     "<broken.db3>": ("broken.db3", "no sqlite"),
     "<broken_launch>": ("broken.launch.py", "def generate_launch_description(:\n"),
+    "<broken_xml>": ("broken.launch.xml", "<launch><node></launch>"),
+    "<broken_yaml>": ("broken.launch.yaml", "launch: [node: {]"),
     "<empty_launch>": ("empty.launch.py", ""),
     "<raising_launch>": ("raising.launch.py", "def generate_launch_description():\n    return 1 / 0\n"),
     "<metadata>": ("bad_bag/metadata.yaml", "rosbag2_bagfile_information: {version: .inf}\n"),

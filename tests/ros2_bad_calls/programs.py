@@ -40,6 +40,8 @@ RUN_LAUNCH_DOCTOR = [
     Bad("launch <empty_launch>", "generate_launch_description"),
     Bad("launch <broken_launch>", "launch"),
     Bad("launch <raising_launch>", "division by zero"),
+    Bad("launch <broken_xml>", "mismatched tag"),
+    Bad("launch <broken_yaml> --show-args", "while parsing a flow node"),
     Bad("launch <broken_launch> --show-args", "launch"),
     Bad("launch <text>", "launch"),
     Bad('launch <empty_launch> --launch-prefix "\'"', "--launch-prefix '.*No closing quotation"),
