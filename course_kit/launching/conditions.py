@@ -45,8 +45,7 @@ class IfCondition(Condition):
             return as_bool(text)
         except ValueError:
             raise InvalidConditionExpressionError(
-                f"invalid condition expression, expected one of 'true', '1', 'false', or '0', but got '{text}' from "
-                f"'{described(self._expression)}'"
+                f"a condition is true, 1, false or 0, and not '{text}', as it comes of '{described(self._expression)}'"
             ) from None
 
 

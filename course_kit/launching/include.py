@@ -40,7 +40,7 @@ def load_python_launch_file(path: str) -> LaunchDescription:
         raise
     if FUNCTION not in names:
         raise InvalidPythonLaunchFileError(
-            f"launch file at '{path}' does not contain the required function '{FUNCTION}()'"
+            f"the launch file '{path}' has no function {FUNCTION}(), which makes its LaunchDescription"
         )
     description = names[FUNCTION]()
     if not isinstance(description, LaunchDescription):
@@ -96,7 +96,7 @@ class LaunchDescriptionSource:
         self,
         launch_description: LaunchDescription | None = None,
         location: SomeSubstitutions = "<string>",
-        method: str = "unspecified mechanism from a script",
+        method: str = "a program",
     ) -> None:
         self._description = launch_description
         self._location = normalize(location)
@@ -125,9 +125,7 @@ class LaunchDescriptionSource:
 
     def load(self, path: str) -> LaunchDescription:
         """Load it from a file."""
-        raise RuntimeError(
-            "LaunchDescriptionSource.get_launch_description(): called without launch description being set"
-        )
+        raise RuntimeError("this LaunchDescriptionSource was made without a launch description")
 
 
 class PythonLaunchDescriptionSource(LaunchDescriptionSource):

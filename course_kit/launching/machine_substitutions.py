@@ -25,17 +25,17 @@ class Command(Composed):
 
     def _text(self, context: LaunchContext, line: str, on_stderr: str) -> str:
         if on_stderr not in ("fail", "ignore", "warn", "capture"):
-            raise SubstitutionFailure("expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'")
+            raise SubstitutionFailure("on_stderr is fail, ignore, warn or capture")
         merged = subprocess.STDOUT if on_stderr == "capture" else subprocess.PIPE
         try:
             done = subprocess.run(shlex.split(line), stdout=subprocess.PIPE, stderr=merged, text=True)
         except (FileNotFoundError, PermissionError) as error:
-            raise SubstitutionFailure(f"file not found: {error}") from None
+            raise SubstitutionFailure(f"`{line}` cannot be run: {error}") from None
         if done.returncode != 0:
-            said = f"\nCaptured stderr output: {done.stderr}" if done.stderr else ""
-            raise SubstitutionFailure(f"executed command failed. Command: {line}{said}")
+            said = f", with {done.stderr}" if done.stderr else ""
+            raise SubstitutionFailure(f"`{line}` ended with status {done.returncode}{said}")
         if done.stderr and on_stderr in ("fail", "warn"):
-            message = f"executed command showed stderr output. Command: {line}\nCaptured stderr output:\n{done.stderr}"
+            message = f"`{line}` wrote to stderr: {done.stderr}"
             if on_stderr == "fail":
                 raise SubstitutionFailure(message)
             output.get_logger("launch").warning(message)
@@ -53,7 +53,7 @@ class FindExecutable(Composed):
     def _text(self, context: LaunchContext, name: str) -> str:
         path = shutil.which(name)
         if path is None:
-            raise SubstitutionFailure(f"executable '{name}' not found on the PATH")
+            raise SubstitutionFailure(f"PATH leads to no executable '{name}'")
         return path
 
 

@@ -53,9 +53,7 @@ class PushROSNamespace(TextAction):
         try:
             validate("namespace", namespace)
         except Exception:
-            raise SubstitutionFailure(
-                f"The resulting namespace is invalid: [previous_namespace='{before}', pushed_namespace='{pushed}']"
-            ) from None
+            raise SubstitutionFailure(f"'{pushed}', below the namespace '{before}', is no namespace") from None
         context.launch_configurations["ros_namespace"] = namespace
 
 
@@ -163,9 +161,7 @@ class Node(ExecuteProcess):
             if namespace is not None:
                 validate("namespace", namespace)
         except Exception:
-            output.get_logger("launch_ros.actions.node").error(
-                f"Error while expanding or validating node name or namespace for '{self._given}':"
-            )
+            output.get_logger("launch_ros.actions.node").error(f"the node '{self._given}' cannot be called so:")
             raise
         return name, namespace
 

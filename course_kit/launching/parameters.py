@@ -22,13 +22,10 @@ from course_kit.launching.substitutions import (
 )
 
 SCALARS = (bool, int, float, str)
-_UNIFORM = (
-    "Expected a non-empty sequence, with items of uniform type. Allowed sequence item types are bool, int, float, str."
-)
+_UNIFORM = "the items of a parameter are of one type, bool, int, float or str, and there is one at least"
 _ALLOWED = (
-    "Allowed value types are bytes, bool, int, float, str, Sequence[bool], Sequence[int], Sequence[float], "
-    "Sequence[str]. Got {}.If the parameter is meant to be a string, try wrapping it in "
-    "launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
+    "a parameter is of bytes, bool, int, float or str, or a sequence of one of the last four, and not {}. "
+    "A text that looks like something else is given as ParameterValue(text, value_type=str)"
 )
 
 
@@ -91,7 +88,7 @@ def _typed(value: Any, wanted: Any) -> Any:
         return value
     elif wanted is str:
         return str(value)
-    raise ValueError(f"Cannot convert value '{value}' to a value of type '{getattr(wanted, '__name__', wanted)}'")
+    raise ValueError(f"'{value}' is no {getattr(wanted, '__name__', wanted)}")
 
 
 def flat(context: LaunchContext, parameters: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:
@@ -126,7 +123,7 @@ def evaluated(context: LaunchContext, value: Any) -> Any:
         return os.fspath(value)
     if isinstance(value, Sequence):
         return _sequence(context, value)
-    raise TypeError(f"Unexpected type for parameter value {value!r}")
+    raise TypeError(f"{value!r} cannot be a parameter")
 
 
 def _sequence(context: LaunchContext, value: Sequence[Any]) -> Any:

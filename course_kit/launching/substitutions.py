@@ -37,9 +37,7 @@ def normalize(value: SomeSubstitutions) -> list[Substitution]:
         return [TextSubstitution(text=os.fspath(value))]
     if isinstance(value, Iterable):
         return [part for item in value for part in normalize(item)]
-    raise TypeError(
-        f"Failed to normalize given item of type '{type(value)}', when only text and substitutions were expected."
-    )
+    raise TypeError(f"here stand text and substitutions, and {value!r} is neither")
 
 
 def perform(context: LaunchContext, value: SomeSubstitutions) -> str:
@@ -68,7 +66,7 @@ def as_bool(text: str) -> bool:
     """The truth of a text, as conditions read it. ValueError for one that says neither."""
     truth = {"true": True, "1": True, "false": False, "0": False}.get(text.strip().lower())
     if truth is None:
-        raise ValueError(f"Expected 'true', 'false', '1' or '0', got '{text}'")
+        raise ValueError(f"'{text}' is none of true, false, 1 and 0")
     return truth
 
 
@@ -99,7 +97,7 @@ class TextSubstitution(Substitution):
 
     def __init__(self, *, text: str) -> None:
         if not isinstance(text, str):
-            raise TypeError(f"TextSubstitution expected 'text' to be 'str', got '{type(text)}'")
+            raise TypeError(f"TextSubstitution stands for text, and {text!r} is none")
         self.text = text
 
     def describe(self) -> str:
@@ -124,7 +122,7 @@ class LaunchConfiguration(Composed):
         if name in context.launch_configurations:
             return str(context.launch_configurations[name])
         if self.default is None:
-            raise SubstitutionFailure(f"launch configuration '{name}' does not exist")
+            raise SubstitutionFailure(f"nothing has set the launch configuration '{name}'")
         return perform(context, self.default)
 
 
@@ -141,7 +139,7 @@ class EnvironmentVariable(Composed):
         if name in context.environment:
             return context.environment[name]
         if self.default_value is None:
-            raise SubstitutionFailure(f"environment variable '{name}' does not exist")
+            raise SubstitutionFailure(f"the environment has no variable '{name}'")
         return perform(context, self.default_value)
 
 
@@ -169,7 +167,7 @@ class ThisLaunchFile(Composed):
     def _text(self, context: LaunchContext) -> str:
         values = context.get_locals_as_dict()
         if self._local not in values:
-            raise SubstitutionFailure("ThisLaunchFileDir used outside of a launch file (in a script)")
+            raise SubstitutionFailure("this program is no launch file, which has a path and a folder")
         return str(values[self._local])
 
 

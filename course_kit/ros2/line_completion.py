@@ -36,7 +36,13 @@ class _UnquotedFinder(_Finder):
 
 
 def complete(line: str) -> list[str]:
-    """What may be appended to a line, without the word `ros2` that it begins with in a shell."""
+    """The words that may stand in place of the last, unfinished word of what follows `ros2`."""
+    begun = split_line(f"ros2 {line}")[1]
+    return [begun + rest for rest in endings(line)]
+
+
+def endings(line: str) -> list[str]:
+    """What may be appended to what follows `ros2`."""
     prequote, begun, _, words, _ = split_line(f"ros2 {line}")
     finder = _UnquotedFinder(parser_for(words[1:]))
     found = itertools.takewhile(bool, (finder.rl_complete(line, state) for state in itertools.count()))

@@ -67,7 +67,7 @@ def _in_background(words: list[str], line: str) -> View | None:
 
 def _complete(shell: InteractiveShell, event: Any) -> list[str]:
     """What may follow what is typed after `%ros2`."""
-    from course_kit.ros2.line_completion import complete
+    from course_kit.ros2.line_completion import endings
 
     _, _, typed = event.text_until_cursor.partition("ros2")
-    return [event.symbol + rest for rest in complete(typed.lstrip(" "))]
+    return [event.symbol + rest for rest in endings(typed.lstrip(" "))]

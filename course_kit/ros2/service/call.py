@@ -52,7 +52,7 @@ def _run(args: Namespace, session: Session) -> None:
 _rate = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
 
 CALL = Verb(
-    "call a service",
+    "ask a service, and show what it answers",
     _run,
     SERVICES.name,
     SERVICES.typed("service_type"),

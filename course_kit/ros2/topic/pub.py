@@ -129,7 +129,7 @@ def _listened_to(session: Session, topic: str) -> str | None:
 
 
 PUB = Verb(
-    "publish a message to a topic",
+    "publish what is written as YAML, once or again and again",
     _run,
     TOPICS.name,
     TOPICS.typed("message_type"),
