@@ -17,6 +17,7 @@ from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import Verb, argument, duration, flag, number, positive_float
 
 GROUP, PORT = "225.0.0.1", 49150  # those of the real command
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 LONGEST_DATAGRAM = 4096  # bytes
 
 
@@ -25,6 +26,10 @@ def _hello(args: Namespace, session: Session) -> None:
 
     topic, host = checked_name(args.topic, "topic"), socket.gethostname()
     name = f"ros2doctor_{re.sub('[^0-9a-zA-Z_]', '_', host)}_{os.getpid()}_node"
+    if os.environ.get(RANGE) in ("LOCALHOST", "OFF"):
+        session.warn(
+            f"{RANGE}={os.environ[RANGE]} keeps nodes of other machines away: SUBNET lets them hear each other"
+        )
     with ExitStack() as stack:
         said_on_topic: SimpleQueue[str] = SimpleQueue()
         say = _on_topic(stack.enter_context(session.own_node(name)), topic, said_on_topic)
