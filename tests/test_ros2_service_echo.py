@@ -33,7 +33,9 @@ A_NUMBER = re.compile(r"(?<=: )\d+$", re.MULTILINE)
 
 
 class Reporting(Node):
-    """A node whose client or server reports as its parameter `report` says."""
+    """A node whose client or server, its `end`, reports as its parameter `report` says."""
+
+    end: Any
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
