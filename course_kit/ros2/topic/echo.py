@@ -29,6 +29,8 @@ def _run(args: Namespace, session: Session) -> None:
     from course_kit.ros2.messages.yaml_text import Shown
     from course_kit.ros2.topic.echo_text import expression, message_text, selector
 
+    if args.lost_messages:
+        session.warn("WARNING: '--lost-messages' is deprecated; lost messages are reported by default")
     select = selector(args.field)
     matches = expression(args.filter_expr) if args.filter_expr else lambda message: True
     shown = Shown(None if args.full_length else args.truncate_length, args.no_arr, args.no_str)
@@ -139,6 +141,7 @@ ECHO = Verb(
     flag("--no-arr", "only type and length of arrays"),
     flag("--no-str", "only the length of strings"),
     flag("--flow-style", "arrays in brackets, on one line"),
+    flag("--lost-messages", "accepted: they are told of"),
     flag("--no-lost-messages", "say nothing of messages that were lost"),
     flag("--raw", "the bytes as they come, not decoded"),
     argument("--filter", "only messages m for which this Python expression is true", dest="filter_expr"),
