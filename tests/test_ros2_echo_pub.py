@@ -46,6 +46,7 @@ def world() -> Iterator[None]:
     [
         (("--field", "ranges"), "array('f', [1.0, 2.0, 3.0, 4.0, 5.0])\n---\n"),
         (("--field", "ranges[-1]"), "5.0\n---\n"),
+        (("--field", "ranges.[-1]"), "5.0\n---\n"),
         (("--field", "header.frame_id"), "laser\n---\n"),
         (("--field", "header.stamp", "--flow-style"), "sec: 0\nnanosec: 0\n---\n"),
         (("--field", "header", "--no-str"), "stamp:\n  sec: 0\n  nanosec: 0\nframe_id: '<string length: <5>>'\n---\n"),

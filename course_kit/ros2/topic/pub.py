@@ -80,8 +80,11 @@ def _turns(session: Session, args: Namespace, node: Any) -> Iterator[int]:
         else:
             session.sleep(due - now())
         yield turn
-        # After a stall it does not hurry to catch up; nor does it wait for a time before that was set back.
-        due = min(max(due + period, now() - period), now() + period)
+        due += period
+        if not args.use_sim_time:
+            due = max(due, now() - period)  # after a stall it does not hurry to catch up
+        elif not 0 < due - now() <= period:  # the simulation was set forward, as at the first message, or back
+            due = now() + period
 
 
 @contextmanager
