@@ -28,6 +28,8 @@ TICK = 0.02  # seconds without a message after which other things are looked at
 def _run(args: Namespace, session: Session) -> None:
     from course_kit.ros2.topic.echo_text import expression, message_text, selector
 
+    if args.lost_messages:
+        session.warn("WARNING: '--lost-messages' is deprecated; lost messages are reported by default")
     select = selector(args.field)
     matches = expression(args.filter_expr) if args.filter_expr else lambda message: True
     kept = shown(args)
@@ -131,6 +133,7 @@ ECHO = Verb(
     flag("--csv", "the values with commas between them, as for a table; -i puts its four numbers before them"),
     argument("--field", "only this part of the message, such as pose.position or ranges[0]"),
     SHOWN,
+    flag("--lost-messages", "accepted: they are told of"),
     flag("--no-lost-messages", "say nothing of messages that were lost"),
     flag("--raw", "the bytes as they come, not decoded"),
     argument("--filter", "only messages m for which this Python expression is true", dest="filter_expr"),
