@@ -33,17 +33,19 @@ READ_AHEAD = 1000  # messages
 
 @dataclass(frozen=True)
 class PlayOptions:
-    """What to play of a bag and how; times in seconds, `until` is counted from the bag's start."""
+    """What to play of a bag and how; times in seconds, `until` in nanoseconds as messages have them."""
 
     rate: float = 1.0
     loop: bool = False
     delay: float = 0.0
     start_offset: float = 0.0
     duration: float | None = None
+    until: int | None = None
     selection: Selection = field(default_factory=lambda: Selection(every=True))
     remap: Mapping[str, str] = field(default_factory=dict)
     overrides: Mapping[str, QoSProfile] = field(default_factory=dict)
     clock_rate: float = 0.0
+    clock_topics: Selection = field(default_factory=Selection)  # whose messages bring /clock up to date
     read_ahead: int = READ_AHEAD
     starts_paused: bool = False
 
@@ -100,8 +102,9 @@ class Player:
         self._ticked = 0.0
         self._steps = 0  # messages to publish while the clock is paused
         profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-        clock_rate = options.clock_rate
-        self._clock_publisher = self.node.create_publisher(Clock, "/clock", profile) if clock_rate else None
+        self._clock_topics = {c.topic for c in bag.connections if options.clock_topics.takes(c.topic, c.msgtype)}
+        has_clock = options.clock_rate or self._clock_topics
+        self._clock_publisher = self.node.create_publisher(Clock, "/clock", profile) if has_clock else None
         self.say(f"Set rate to {options.rate:g}")
         try:
             self.publishers = {c.topic: p for c in bag.connections if (p := self._publisher(c)) is not None}
@@ -128,9 +131,10 @@ class Player:
     @property
     def is_matched(self) -> bool:
         """Whether all subscriptions that are known are connected to the publishers."""
+        clock = [self._clock_publisher] if self._clock_publisher is not None else []
         return all(
             publisher.get_subscription_count() >= self.node.count_subscribers(publisher.topic_name)
-            for publisher in self.publishers.values()
+            for publisher in [*self.publishers.values(), *clock]
         )
 
     def toggle_pause(self) -> None:
@@ -155,7 +159,8 @@ class Player:
 
     def play(self, tick: Callable[[], None]) -> None:
         """Play to the end, or on and on if `loop`; `tick` is called every so often and may raise to end it."""
-        stop_at = None if self.options.duration is None else self._start + int(self.options.duration * 1e9)
+        ends = [] if self.options.duration is None else [self._start + int(self.options.duration * 1e9)]
+        stop_at = min(ends + ([] if self.options.until is None else [self.options.until]), default=None)
         self.say(f"Playback until timestamp: {-1 if stop_at is None else stop_at}")
         while True:
             if self.options.delay > 0:
@@ -188,6 +193,8 @@ class Player:
                 if stop_at is not None and nanoseconds > stop_at:
                     break
                 self._wait_until(nanoseconds, tick)
+                if connection.topic in self._clock_topics:
+                    self._publish_clock(nanoseconds)
                 publish[connection.topic](data)
             while self.clock.is_paused:  # at the end too
                 tick()
@@ -208,8 +215,8 @@ class Player:
                 left = clock.until(nanoseconds)
                 if left <= 0:
                     break
-            if self._clock_publisher is not None:
-                left = min(left, self._publish_clock())
+            if self.options.clock_rate:
+                left = min(left, self._tick_clock())
             time.sleep(min(left, SLICE))
             if clock.is_paused or clock.until(nanoseconds) > 0:
                 self._tick(tick)
@@ -220,13 +227,16 @@ class Player:
         self._ticked = time.monotonic()
         tick()
 
-    def _publish_clock(self) -> float:
-        """Publish /clock if it is time for that; return the seconds until it is again."""
+    def _publish_clock(self, nanoseconds: int) -> None:
         assert self._clock_publisher is not None
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(nanoseconds, 10**9)
+        self._clock_publisher.publish(message)
+
+    def _tick_clock(self) -> float:
+        """Publish /clock if it is time for that; return the seconds until it is again."""
         if self.clock.now() >= self._next_clock:
-            message = Clock()
-            message.clock.sec, message.clock.nanosec = divmod(self.clock.now(), 10**9)
-            self._clock_publisher.publish(message)
+            self._publish_clock(self.clock.now())
             self._next_clock = self.clock.now() + int(1e9 / self.options.clock_rate * self.clock.rate)
         return max(1e-4, self.clock.until(self._next_clock))
 
