@@ -20,7 +20,8 @@ from course_kit.bags import qos as bag_qos
 from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
 from course_kit.bags.recorder import BagLogLine
-from course_kit.bags.selection import Selection
+from course_kit.bags.requests import Requests
+from course_kit.bags.selection import Selection, service_of
 from course_kit.long_tasks import long_task
 from course_kit.polling import wait_until
 from course_kit.spinning import context
@@ -48,6 +49,7 @@ class PlayOptions:
     clock_topics: Selection = field(default_factory=Selection)  # whose messages bring /clock up to date
     read_ahead: int = READ_AHEAD
     starts_paused: bool = False
+    sends_requests: bool = False  # in place of the events that tell of them
 
 
 class BagClock:
@@ -106,6 +108,7 @@ class Player:
         has_clock = options.clock_rate or self._clock_topics
         self._clock_publisher = self.node.create_publisher(Clock, "/clock", profile) if has_clock else None
         self.say(f"Set rate to {options.rate:g}")
+        self.requests: dict[str, Requests] = {}
         try:
             self.publishers = {c.topic: p for c in bag.connections if (p := self._publisher(c)) is not None}
         except Exception:
@@ -116,7 +119,11 @@ class Player:
         topic = connection.topic
         if not self.options.selection.takes(topic, connection.msgtype):
             return None
+        service = service_of(topic, connection.msgtype) if self.options.sends_requests else None
         try:
+            if service is not None:
+                self.requests[topic] = Requests(service, connection.msgtype, lambda text: self.say(text, "WARN"))
+                return None
             message_type = topics.message_class(connection.msgtype)
         except (ImportError, ValueError) as error:
             self.say(f"Ignoring a topic '{topic}', reason: {str(error).rstrip('.')}.", "WARN")
@@ -135,7 +142,7 @@ class Player:
         return all(
             publisher.get_subscription_count() >= self.node.count_subscribers(publisher.topic_name)
             for publisher in [*self.publishers.values(), *clock]
-        )
+        ) and all(requests.is_matched for requests in self.requests.values())
 
     def toggle_pause(self) -> None:
         """Stand still, or go on."""
@@ -174,6 +181,8 @@ class Player:
             tick()
         for publisher in self.publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=1))
+        for requests in self.requests.values():
+            requests.wait_for_answers()
 
     def _length(self, stop_at: int | None) -> float:
         """Seconds of the bag that are played."""
@@ -181,9 +190,10 @@ class Player:
         return max(0.0, (end - self._start) * 1e-9)
 
     def _play_once(self, tick: Callable[[], None], stop_at: int | None) -> None:
-        connections = [c for c in self.bag.connections if c.topic in self.publishers]
+        senders: dict[str, Publisher | Requests] = {**self.publishers, **self.requests}
+        connections = [c for c in self.bag.connections if c.topic in senders]
         messages = ReadAhead(self.bag.messages(connections, self._start), self.options.read_ahead)
-        publish = {topic: publisher.publish for topic, publisher in self.publishers.items()}
+        publish = {topic: sender.publish for topic, sender in senders.items()}
         try:
             messages.wait_until_filled(tick)
             self.clock.jump(self._start)
@@ -241,5 +251,7 @@ class Player:
         return max(1e-4, self.clock.until(self._next_clock))
 
     def close(self) -> None:
-        """Destroy the publishers and their node."""
+        """Destroy the publishers and their node, and end the clients."""
+        for requests in self.requests.values():
+            requests.close()
         self.node.destroy_node()

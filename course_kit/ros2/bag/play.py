@@ -19,10 +19,9 @@ if TYPE_CHECKING:
 
 RATES = {"up": 1.1, "down": 0.9}  # what these keys multiply the rate with
 UNSUPPORTED: dict[str, dict[str, Any]] = {
-    "--services": {"nargs": "+"},
-    "--exclude-services": {"nargs": "+"},
     "--storage-config-file": {},
-    "--publish-service-requests": {"action": "store_true"},
+    "--service-requests-source": {},
+    "--message-order": {},
 }
 KEY_LINES = (
     "Adding keyboard callbacks.",
@@ -121,7 +120,7 @@ def _options(args: Namespace) -> PlayOptions:
         delay=args.delay,
         start_offset=args.start_offset,
         duration=None if args.playback_duration < 0 else args.playback_duration,
-        selection=options.selection(args, args.topics, every=not (args.topics or args.regex)),
+        selection=options.selection(args, args.topics, every=not (args.topics or args.services or args.regex)),
         remap=remap,
         overrides=options.qos_overrides(args.qos_profile_overrides_path),
         until=min((t for t in (int(args.playback_until_sec * 1e9), args.playback_until_nsec) if t >= 0), default=None),
@@ -129,6 +128,7 @@ def _options(args: Namespace) -> PlayOptions:
         clock_topics=clock_topics,
         read_ahead=args.read_ahead_queue_size,
         starts_paused=args.start_paused,
+        sends_requests=args.publish_service_requests,
     )
 
 
@@ -139,9 +139,12 @@ PLAY = Verb(
     argument("--read-ahead-queue-size", "how many messages are read ahead (default: 1000)", type=whole, default=1000),
     argument("-r --rate", "how many times as fast (default: 1)", type=_positive, default=1.0),
     argument("--topics", "only these topics", default=[], metavar="topic", nargs="+"),
+    argument("--services", "only the calls of these services", default=[], metavar="service", nargs="+"),
     REGEX,
     EXCLUDE_REGEX,
     argument("--exclude-topics", "none of these topics", default=[], metavar="topic", nargs="+"),
+    argument("--exclude-services", "no calls of these services", default=[], metavar="service", nargs="+"),
+    flag("--publish-service-requests", "call the services again, in place of publishing the events of their calls"),
     SHARED,
     flag("-l --loop", "begin again at the end"),
     argument("--remap -m", "play topics under other names: /old:=/new …", default=[], nargs="+"),
