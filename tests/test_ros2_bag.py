@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import resource
@@ -419,12 +420,18 @@ def test_playing_gives_the_time_of_the_bag(tmp_path: Path) -> None:
         clock = deserialize_message(data, Clock).clock
         stamps.append(clock.sec + clock.nanosec * 1e-9)
 
-    subscription = instruments.subscribe("/clock", receive, Clock)
-    assert ros2("bag", "play", "--clock", "50", str(bag)).status == 0
-    subscription.close()
-    assert len(stamps) > 25
-    assert 1000 <= stamps[0] < stamps[-1] < 1001.1
-    assert stamps == sorted(stamps)
+    with contextlib.closing(instruments.subscribe("/clock", receive, Clock)):
+        assert ros2("bag", "play", "--clock", "50", str(bag)).status == 0
+        assert len(stamps) > 25
+        assert 1000 <= stamps[0] < stamps[-1] < 1001.1
+        assert stamps == sorted(stamps)
+        for chosen in (("--clock-topics", "/played", "/other"), ("--clock-topics-all",)):
+            stamps.clear()
+            assert ros2("bag", "play", str(bag), "--playback-until-sec", "1000.19", *chosen).status == 0
+            wait_until(lambda: len(stamps) == 10)
+            assert stamps == pytest.approx([1000 + 0.02 * number for number in range(10)], abs=1e-6)
+        assert ros2("bag", "play", str(bag), "--clock-topics", "/other", "--playback-until-nsec", "1").status == 0
+        assert len(stamps) == 10
 
 
 def test_keys_pause_a_recording(tmp_path: Path) -> None:

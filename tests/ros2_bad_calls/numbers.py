@@ -63,6 +63,8 @@ ALSO_NEGATIVE = (
     f"{TWIST} --qos-depth",
     f"{TWIST} --qos-liveliness-lease-duration-seconds",
     "bag play <folder> --playback-duration",
+    "bag play <folder> --playback-until-sec",
+    "bag play <folder> --playback-until-nsec",
     "service call /clear std_srvs/srv/Empty --rate",
 )
 

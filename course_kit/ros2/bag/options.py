@@ -116,7 +116,9 @@ def selection(args: Namespace, names: Sequence[str], every: bool, **more: Any) -
             [topics.absolute(name) for name in names],
             regex=args.regex,
             every=every,
+            services=[topics.absolute(name) for name in args.services],
             exclude_names=[topics.absolute(name) for name in args.exclude_topics],
+            exclude_services=[topics.absolute(name) for name in args.exclude_services],
             exclude_regex=args.exclude_regex,
             **more,
         )

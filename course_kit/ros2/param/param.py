@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.completion import node_names, parameter_names
@@ -64,10 +65,13 @@ def _list(args: Namespace, session: Session) -> None:
 
     chosen = [graph.NodeName.of(_found_node(args, session))] if args.node_name else _nodes(args, session)
     is_wanted = compiled(args.filter or "", "Invalid regular expression '{}': {}").search
-    offered = graph.services(session.node, with_hidden=True)
+
+    def answers(node: NodeName) -> bool:
+        return f"{node.full_name}/list_parameters" in graph.services(session.node, with_hidden=True)
+
     for node in chosen:
-        if f"{node.full_name}/list_parameters" not in offered:
-            continue
+        if not session.until(partial(answers, node), args.timeout if args.node_name else 0.0, NODE_POLL):
+            continue  # it has no parameters; one that has just come offers its services a little later
         try:
             names = list_parameters(session, node.full_name, *args.param_prefixes)
             names = list(filter(is_wanted, names))
