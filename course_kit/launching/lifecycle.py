@@ -28,7 +28,7 @@ class ChangeState(events.Event):
 
     def __init__(self, *, lifecycle_node_matcher: events.Matcher, transition_id: int) -> None:
         if type(transition_id) is not int or not 0 <= transition_id <= 255:
-            raise ValueError(f"invalid transition_id '{transition_id}', expected one of lifecycle_msgs/msg/Transition")
+            raise ValueError(f"ChangeState: transition_id is {transition_id!r}, no id of lifecycle_msgs/msg/Transition")
         self.lifecycle_node_matcher = lifecycle_node_matcher
         self.transition_id = transition_id
 
@@ -62,7 +62,7 @@ class OnStateTransition(EventHandler):
         handle_once: bool = False,
     ) -> None:
         if target_lifecycle_node is not None and not isinstance(target_lifecycle_node, LifecycleNode):
-            raise RuntimeError('OnStateTransition requires a "LifecycleNode" action as the target')
+            raise TypeError(f"OnStateTransition: target_lifecycle_node is {target_lifecycle_node!r}, no LifecycleNode")
         wanted = {"action": target_lifecycle_node, "transition": transition}
         wanted |= {"start_state": start_state, "goal_state": goal_state}
         given = {name: value for name, value in wanted.items() if value is not None}
