@@ -66,7 +66,7 @@ def test_nothing_waits_for_a_node_that_has_no_states(prefix: Prefix, end: str) -
     prefix.program("demo", "managed", code)
     with launch(prefix, BRING_UP.replace("FAILS", "False")) as running:
         if end == "the launch":
-            running.wait_for("process started")
+            running.wait_for("Still waiting for the '/robot1/arm/change_state' service: is '/robot1/arm' a lifecycle")
             running.interrupt()
         assert running.end().status == 0
         assert "Abandoning wait for the '/robot1/arm/change_state' service, " in running.text
