@@ -387,6 +387,8 @@ def test_substitutions_give_their_texts(prefix: Prefix) -> None:
         ("yaml", "\n- arg: {name: a, default: 5}", "'default' of `arg` is 5, not a text"),
         ("yaml", "\n- node: {", "while parsing a flow node"),
         ("yaml", " []\nmore: []", "Expected one tag"),
+        ("yaml", "\n- 5: {}", "Expected one tag with a colon behind it, got {5: {}}"),
+        ("yaml", "\n- group: {children: 5}", "'children' of `group` is 5, not a list of tags"),
         ("yaml", "\n- include: {file: $(dirname)/note.yaml}", "The outermost tag is `robot`, not `launch`"),
     ],
 )

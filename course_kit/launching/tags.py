@@ -89,7 +89,7 @@ def yaml_tag(text: bytes) -> Tag:
 
 
 def _only(data: Any) -> Tag:
-    if not isinstance(data, dict) or len(data) != 1:
+    if not isinstance(data, dict) or len(data) != 1 or not isinstance(next(iter(data)), str):
         raise ValueError(f"Expected one tag with a colon behind it, got {data!r:.80}")
     ((name, body),) = data.items()
     return _of_data(name, body)
@@ -103,6 +103,8 @@ def _of_data(name: str, body: Any) -> Tag:
     tag = Tag(name, {}, [])
     for key, value in body.items():
         if key == "children":
+            if not isinstance(value, list):
+                raise ValueError(f"'children' of `{name}` is {value!r:.80}, not a list of tags")
             tag.tags += [_only(inner) for inner in value]
         elif isinstance(value, list) and value and all(isinstance(inner, dict) for inner in value):
             tag.tags += [_of_data(key, inner) for inner in value]
