@@ -297,13 +297,13 @@ def test_python_files_name_the_other_formats(prefix: Prefix) -> None:
 
 
 def test_a_file_of_another_name_is_known_by_its_beginning(prefix: Prefix) -> None:
-    for number, text in enumerate(
-        ('<?xml version="1.0"?>\n<launch><log message="here"/></launch>', "launch: [log: {message: here}]")
-    ):
-        path = prefix.folder / f"demo{number}.launch"
+    xml = '<?xml version="1.0"?>\n<launch deprecated="it is old"><log message="here"/></launch>'
+    for text, warns in ((xml, True), ("launch: [log: {message: here}]", False)):
+        path = prefix.folder / "demo.launch"
         path.write_text(text)
         with RunningGroup("launch", path, environment=prefix.environment) as running:
             assert logged(running) == ["here"]
+            assert (f"launch file [{path}] is deprecated: it is old" in running.text) == warns
 
 
 @pytest.mark.parametrize("kind", TURTLES)
@@ -320,6 +320,7 @@ SUBSTITUTIONS = {
     r"\$(var a) costs $5 \\": "$(var a) costs $5 \\",
     "$(var a)$(var a)": "oneone",
     "$(var missing 'a default')": "a default",
+    "$(var taken_away 'by unset')": "by unset",
     "$(var missing $(var a))": "one",
     "$(env COLOUR)-$(env NOPE '')-$(env NOPE none)": "red--none",
     "$(eval '1 + 2')$(eval \"'$(var a)' == 'one'\")": "3True",
@@ -343,7 +344,8 @@ SUBSTITUTIONS = {
 def test_substitutions_give_their_texts(prefix: Prefix) -> None:
     (prefix.package("demo") / "note.txt").write_text("a note")
     lines = [f"- log: {{message: '|{text.replace(chr(39), chr(39) * 2)}'}}" for text in SUBSTITUTIONS]
-    body = "\n".join(["", "- let: {name: a, value: one}", "- set_env: {name: COLOUR, value: red}", *lines])
+    values = ["- let: {name: a, value: one}", "- let: {name: taken_away, value: a}", "- unset: {name: taken_away}"]
+    body = "\n".join(["", *values, "- set_env: {name: COLOUR, value: red}", *lines])
     with launch(prefix, "yaml", body) as running:
         said = [line.removeprefix("|") for line in logged(running)]
     shell = next(f"{folder}/sh" for folder in os.environ["PATH"].split(":") if os.access(f"{folder}/sh", os.X_OK))
@@ -353,28 +355,28 @@ def test_substitutions_give_their_texts(prefix: Prefix) -> None:
 @pytest.mark.parametrize(
     ("kind", "body", "reason"),
     [
-        ("xml", "<nod/>", "Unrecognized entity of the type: nod (did you mean node?)"),
+        ("xml", "<nod/>", "`nod` is no tag of a launch file (did you mean node?)"),
         ("xml", "<node>", "mismatched tag"),
-        ("xml", "words", "Unexpected text in `launch`: 'words'"),
-        ("xml", "<node pkg='demo'/>", "Attribute 'exec' of 'node' is missing"),
-        ("xml", "<node exec='a' pkgs='demo'/>", "Unexpected attribute(s) found in `node`: {'pkgs'}"),
-        ("xml", "<node exec='a'><parm/></node>", "Unexpected nested tag(s) found in `node`: {'parm'}"),
-        ("xml", "<node exec='a'><param name='b'/></node>", "Attribute 'value' of 'param' is missing"),
+        ("xml", "words", "`launch` holds tags, not text such as 'words'"),
+        ("xml", "<node pkg='demo'/>", "`node` lacks its 'exec'"),
+        ("xml", "<node exec='a' pkgs='demo'/>", "`node` takes no attribute 'pkgs'"),
+        ("xml", "<node exec='a'><parm/></node>", "`node` takes no tag 'parm'"),
+        ("xml", "<node exec='a'><param name='b'/></node>", "`param` lacks its 'value'"),
         ("xml", "<node exec='a'><param name='b' from='c'/></node>", "both 'name' and 'from'"),
-        ("xml", "<node exec='a'><param name='b' allow_substs='true' value='1'/></node>", "'allow_substs' can only"),
+        ("xml", "<node exec='a'><param name='b' allow_substs='true' value='1'/></node>", "it goes with 'from'"),
         ("xml", "<node exec='a'><param name='b' value='1' type='real'/></node>", "it can be bool, float, int, str"),
         ("xml", "<node exec='a' on_exit='restart'/>", "it can be 'shutdown' only"),
-        ("xml", "<group scoped='maybe'/>", "Attribute 'scoped' of 'group' is 'maybe', not true or false"),
+        ("xml", "<group scoped='maybe'/>", "'scoped' of `group` is 'maybe', not true or false"),
         ("xml", "<timer period='soon'/>", "could not convert string to float: 'soon'"),
         ("xml", "<log message='' if='true' unless='true'/>", "has both 'if' and 'unless'"),
         ("xml", "<log message='' if='perhaps'/>", "a condition is true, 1, false or 0"),
         ("xml", "<log message='$(var a'/>", "'$(var a' lacks the closing bracket"),
         ("xml", "<log message='$(eval \"a)'/>", "A quote is not closed in"),
         ("xml", "<log message='$()'/>", "No name of a substitution behind '$('"),
-        ("xml", "<log message='$(arg a)'/>", "Unknown substitution: arg"),
-        ("xml", "<log message='$(var)'/>", "var substitution expects 1 to 2 arguments, got 0"),
+        ("xml", "<log message='$(arg a)'/>", "$(arg ...) is no substitution"),
+        ("xml", "<log message='$(var)'/>", "$(var ...) takes 1 to 2 arguments, not 0"),
         ("xml", "<log message='$(var nope)'/>", "nothing has set the launch configuration 'nope'"),
-        ("xml", "<log message='$(file-content /nope)'/>", "Failed to open file at /nope"),
+        ("xml", "<log message='$(file-content /nope)'/>", "cannot read /nope"),
         ("xml", "<include file='/nope.launch.xml'/>", "'/nope.launch.xml': "),
         ("xml", "<set_parameters_from_file filename='/nope'/>", "there is no file '/nope'"),
         ("xml", "<include file='$(find-pkg-share demo)/demo.launch.xml'/>", "does a launch file include itself?"),
@@ -382,12 +384,16 @@ def test_substitutions_give_their_texts(prefix: Prefix) -> None:
         ("xml", "<log message='$(param a)'/>", "the substitution $(param ...) is not covered here"),
         ("yaml", "\n- node", "Expected one tag with a colon behind it, got 'node'"),
         ("yaml", "\n- node: here", "Expected the attributes of `node`, got 'here'"),
-        ("yaml", "\n- arg: {name: a, default: 5}", "Attribute 'default' of 'arg' is 5, not a text"),
+        ("yaml", "\n- arg: {name: a, default: 5}", "'default' of `arg` is 5, not a text"),
         ("yaml", "\n- node: {", "while parsing a flow node"),
         ("yaml", " []\nmore: []", "Expected one tag"),
+        ("yaml", "\n- 5: {}", "Expected one tag with a colon behind it, got {5: {}}"),
+        ("yaml", "\n- group: {children: 5}", "'children' of `group` is 5, not a list of tags"),
+        ("yaml", "\n- include: {file: $(dirname)/note.yaml}", "The outermost tag is `robot`, not `launch`"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(prefix: Prefix, kind: str, body: str, reason: str) -> None:
+    (prefix.package("demo") / "note.yaml").write_text("robot: []")
     line = refused(prefix, kind, body)
     assert line.startswith("[ERROR] [launch]: Caught exception in launch (see debug for traceback): ")
     assert reason in line

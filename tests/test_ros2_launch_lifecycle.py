@@ -66,7 +66,7 @@ def test_nothing_waits_for_a_node_that_has_no_states(prefix: Prefix, end: str) -
     prefix.program("demo", "managed", code)
     with launch(prefix, BRING_UP.replace("FAILS", "False")) as running:
         if end == "the launch":
-            running.wait_for("process started")
+            running.wait_for("Still waiting for the '/robot1/arm/change_state' service: is '/robot1/arm' a lifecycle")
             running.interrupt()
         assert running.end().status == 0
         assert "Abandoning wait for the '/robot1/arm/change_state' service, " in running.text
@@ -74,8 +74,14 @@ def test_nothing_waits_for_a_node_that_has_no_states(prefix: Prefix, end: str) -
 
 def test_what_is_no_transition_and_no_lifecycle_node_is_refused(prefix: Prefix) -> None:
     for entity, reason in (
-        ("EmitEvent(event=ChangeState(lifecycle_node_matcher=None, transition_id='up'))", "invalid transition_id 'up'"),
-        ("RegisterEventHandler(OnStateTransition(target_lifecycle_node=1, entities=[]))", 'requires a "LifecycleNode"'),
+        (
+            "EmitEvent(event=ChangeState(lifecycle_node_matcher=None, transition_id='up'))",
+            "transition_id is 'up', no id",
+        ),
+        (
+            "RegisterEventHandler(OnStateTransition(target_lifecycle_node=1, entities=[]))",
+            "target_lifecycle_node is 1, no LifecycleNode",
+        ),
     ):
         with launch(prefix, entity) as running:
             assert running.end().status == 1

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import os
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from course_kit.launching import events, output
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 
 POLL = 0.02  # seconds
 HEARD = 2.0  # seconds that a first transition waits for the launch to hear the node
+PATIENCE = 5.0  # seconds until it is told what is waited for
 
 
 class ChangeState(events.Event):
@@ -28,7 +31,7 @@ class ChangeState(events.Event):
 
     def __init__(self, *, lifecycle_node_matcher: events.Matcher, transition_id: int) -> None:
         if type(transition_id) is not int or not 0 <= transition_id <= 255:
-            raise ValueError(f"invalid transition_id '{transition_id}', expected one of lifecycle_msgs/msg/Transition")
+            raise ValueError(f"ChangeState: transition_id is {transition_id!r}, no id of lifecycle_msgs/msg/Transition")
         self.lifecycle_node_matcher = lifecycle_node_matcher
         self.transition_id = transition_id
 
@@ -62,7 +65,7 @@ class OnStateTransition(EventHandler):
         handle_once: bool = False,
     ) -> None:
         if target_lifecycle_node is not None and not isinstance(target_lifecycle_node, LifecycleNode):
-            raise RuntimeError('OnStateTransition requires a "LifecycleNode" action as the target')
+            raise TypeError(f"OnStateTransition: target_lifecycle_node is {target_lifecycle_node!r}, no LifecycleNode")
         wanted = {"action": target_lifecycle_node, "transition": transition}
         wanted |= {"start_state": start_state, "goal_state": goal_state}
         given = {name: value for name, value in wanted.items() if value is not None}
@@ -105,38 +108,41 @@ class LifecycleNode(Node):
 
     async def change_state(self, context: LaunchContext, transition_id: int) -> None:
         """Have the node make a transition, once it is there."""
+        from lifecycle_msgs.msg import Transition
         from lifecycle_msgs.srv import ChangeState as Service
 
-        logger = output.get_logger("launch_ros.actions.lifecycle_node")
-        loop = context.asyncio_loop
-
-        def is_over() -> bool:
-            return context.is_shutdown or self._task is None or self._task.done()
-
-        while not self._client.service_is_ready():
-            if is_over():
-                why = "due to shutdown" if context.is_shutdown else "because the node has ended"
-                logger.warning(f"Abandoning wait for the '{self._client.srv_name}' service, {why}.")
-                return
-            await asyncio.sleep(POLL)
-        # What it tells before it is heard would be lost.
-        deadline = loop.time() + HEARD
-        while not self._states.get_publisher_count() and loop.time() < deadline and not is_over():
-            await asyncio.sleep(POLL)
+        time = context.asyncio_loop.time
+        if not await self._until(self._client.service_is_ready, context):
+            return
+        deadline = time() + HEARD  # what it tells before it is heard would be lost
+        if not await self._until(lambda: self._states.get_publisher_count() > 0 or time() > deadline, context):
+            return
         request = Service.Request()
         request.transition.id = transition_id
         answer = self._client.call_async(request)
-        while not answer.done():
-            if is_over():
-                logger.warning(f"Abandoning wait for the '{self._client.srv_name}' service response, due to shutdown.")
-                return
-            await asyncio.sleep(POLL)
-        if not answer.result().success:
-            from lifecycle_msgs.msg import Transition
-
+        if await self._until(answer.done, context) and not answer.result().success:
             names = (name for name in dir(Transition) if name.startswith("TRANSITION_"))
             name = next((name for name in names if getattr(Transition, name) == transition_id), transition_id)
-            logger.error(f"Failed to make transition '{name}' for LifecycleNode '{self.node_name}'")
+            _logger().error(f"Failed to make transition '{name}' for LifecycleNode '{self.node_name}'")
+
+    async def _until(self, is_so: Callable[[], bool], context: LaunchContext) -> bool:
+        """Wait until it is so; False, with a warning, if the launch or the node ends before."""
+        service = self._client.srv_name
+        begin, is_told = context.asyncio_loop.time(), False
+        while not is_so():
+            if context.is_shutdown or self._task is None or self._task.done():
+                why = "due to shutdown" if context.is_shutdown else "because the node has ended"
+                _logger().warning(f"Abandoning wait for the '{service}' service, {why}.")
+                return False
+            if not is_told and context.asyncio_loop.time() > begin + PATIENCE:
+                is_told = True
+                _logger().warning(f"Still waiting for the '{service}' service: is '{self.node_name}' a lifecycle node?")
+            await asyncio.sleep(POLL)
+        return True
+
+
+def _logger() -> logging.Logger:
+    return output.get_logger("launch_ros.actions.lifecycle_node")
 
 
 class _Transition(Action):

@@ -69,7 +69,7 @@ class FileContent(Composed):
         try:
             return Path(path).read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise SubstitutionFailure(f"Failed to open file at {path}: {error}") from None
+            raise SubstitutionFailure(f"cannot read {path}: {error}") from None
 
 
 class LaunchLogDir(Composed):

@@ -130,9 +130,9 @@ def _made(name: str, arguments: list[Texts]) -> Substitution:
     if name in _UNCOVERED:
         raise not_covered(f"the substitution $({name} ...)")
     if name not in _KNOWN:
-        raise ValueError(f"Unknown substitution: {name}")
+        raise ValueError(f"$({name} ...) is no substitution")
     make, fewest, most = _KNOWN[name]
     if not fewest <= len(arguments) <= most:
         wanted = str(fewest) if fewest == most else f"{fewest} to {most}"
-        raise ValueError(f"{name} substitution expects {wanted} arguments, got {len(arguments)}")
+        raise ValueError(f"$({name} ...) takes {wanted} arguments, not {len(arguments)}")
     return make(*arguments)

@@ -35,7 +35,7 @@ _TYPES |= {f"list_of_{name}s": list[kind] for name, kind in _TYPES.items()}  # t
 def description_of(tag: Tag) -> LaunchDescription:
     """The launch description that the outermost tag of a file stands for."""
     if tag.name != "launch":
-        raise ValueError("Expected 'launch' as root tag")
+        raise ValueError(f"The outermost tag is `{tag.name}`, not `launch`")
     description = LaunchDescription(_actions(tag.within()), deprecated_reason=tag.get("deprecated"))
     tag.refuse_unread()
     return description
@@ -51,7 +51,7 @@ def _action(tag: Tag) -> Action:
     if tag.name not in _MAKE:
         near = difflib.get_close_matches(tag.name, _MAKE, n=1)
         hint = "".join(f" (did you mean {name}?)" for name in near)
-        raise ValueError(f"Unrecognized entity of the type: {tag.name}{hint}")
+        raise ValueError(f"`{tag.name}` is no tag of a launch file{hint}")
     positive, negative = _text(tag, "if"), _text(tag, "unless")
     if positive and negative:
         raise ValueError(f"`{tag.name}` has both 'if' and 'unless': give one of them")
@@ -141,7 +141,7 @@ def _process(tag: Tag) -> Options:
         options["respawn"] = parsed(respawn) if isinstance(respawn, str) else respawn
     if (exit_word := tag.get("on_exit")) is not None:
         if exit_word != "shutdown":
-            raise ValueError(f"Attribute 'on_exit' of '{tag.name}' is {exit_word!r}: it can be 'shutdown' only")
+            raise ValueError(f"'on_exit' of `{tag.name}` is {exit_word!r}: it can be 'shutdown' only")
         options["on_exit"] = Shutdown()
     if environment := _pairs(tag.within("env"), "name", "value"):
         options["additional_env"] = dict(environment)
@@ -168,7 +168,7 @@ def _parameters(tag: Tag) -> Any:
     file, allow = _text(tag, "from"), tag.get("allow_substs", bool, may_be_text=True)
     if file is None:
         if allow is not None:
-            raise ValueError("'allow_substs' can only be used together with 'from'")
+            raise ValueError("'allow_substs' is about files: it goes with 'from'")
         return _parameter(tag)
     if tag.get("name") is not None:
         raise ValueError("`param` has both 'name' and 'from': give one of them")
@@ -187,7 +187,7 @@ def _parameter(tag: Tag) -> Options:
 def _value(tag: Tag) -> parameters.ParameterValue:
     kind = tag.get("type")
     if kind is not None and kind not in _TYPES:
-        raise ValueError(f"Attribute 'type' of '{tag.name}' is {kind!r}: it can be {', '.join(_TYPES)}")
+        raise ValueError(f"'type' of `{tag.name}` is {kind!r}: it can be {', '.join(_TYPES)}")
     value = tag.need("value", str if kind == "str" else None)
     plain = [_plain(one) for one in value] if isinstance(value, list) else _plain(value)
     return parameters.ParameterValue(plain, value_type=None if kind is None else _TYPES[kind])
@@ -217,7 +217,6 @@ _MAKE: dict[str, Callable[..., Action]] = {
     "set_parameter": lambda tag, **options: SetParameter(_needed(tag, "name"), _value(tag), **options),
     "set_parameters_from_file": _with_texts(SetParametersFromFile, filename="filename"),
     "set_remap": _with_texts(SetRemap, src="from", dst="to"),
-    "set_use_sim_time": lambda tag, **options: SetParameter("use_sim_time", _value(tag), **options),
     "shutdown": _shutdown,
     "timer": _timer,
     "unset": _with_texts(actions.UnsetLaunchConfiguration, name="name"),

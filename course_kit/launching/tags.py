@@ -34,13 +34,13 @@ class Tag:
             value = float(value)
         if kind is None or type(value) is kind or (may_be_text and isinstance(value, str)):
             return value
-        raise TypeError(f"Attribute '{name}' of '{self.name}' is {value!r}, not {_KINDS[kind]}")
+        raise TypeError(f"'{name}' of `{self.name}` is {value!r}, not {_KINDS[kind]}")
 
     def need(self, name: str, kind: type | None = str, may_be_text: bool = False) -> Any:
         """An attribute that has to be there. AttributeError if it is not."""
         value = self.get(name, kind, may_be_text)
         if value is None:
-            raise AttributeError(f"Attribute '{name}' of '{self.name}' is missing")
+            raise AttributeError(f"`{self.name}` lacks its '{name}'")
         return value
 
     def within(self, *names: str) -> list[Tag]:
@@ -51,10 +51,9 @@ class Tag:
 
     def refuse_unread(self) -> None:
         """Raise ValueError if there is an attribute or a tag that nobody has asked for."""
-        for what, names in (("attribute", self.attributes), ("nested tag", [tag.name for tag in self.tags])):
-            unread = set(names) - self._read
-            if unread:
-                raise ValueError(f"Unexpected {what}(s) found in `{self.name}`: {unread}")
+        for what, names in (("attribute", self.attributes), ("tag", [tag.name for tag in self.tags])):
+            if unread := [name for name in names if name not in self._read]:
+                raise ValueError(f"`{self.name}` takes no {what} '{unread[0]}'")
 
 
 def _guess(text: str) -> Any:
@@ -78,7 +77,7 @@ def xml_tag(text: bytes) -> Tag:
 def _of_element(element: Element) -> Tag:
     for words in (element.text, *(inner.tail for inner in element)):
         if words and words.strip():
-            raise ValueError(f"Unexpected text in `{element.tag}`: {words.strip()!r}")
+            raise ValueError(f"`{element.tag}` holds tags, not text such as {words.strip()!r}")
     return Tag(element.tag, dict(element.attrib), [_of_element(inner) for inner in element], is_xml=True)
 
 
@@ -90,7 +89,7 @@ def yaml_tag(text: bytes) -> Tag:
 
 
 def _only(data: Any) -> Tag:
-    if not isinstance(data, dict) or len(data) != 1:
+    if not isinstance(data, dict) or len(data) != 1 or not isinstance(next(iter(data)), str):
         raise ValueError(f"Expected one tag with a colon behind it, got {data!r:.80}")
     ((name, body),) = data.items()
     return _of_data(name, body)
@@ -104,6 +103,8 @@ def _of_data(name: str, body: Any) -> Tag:
     tag = Tag(name, {}, [])
     for key, value in body.items():
         if key == "children":
+            if not isinstance(value, list):
+                raise ValueError(f"'children' of `{name}` is {value!r:.80}, not a list of tags")
             tag.tags += [_only(inner) for inner in value]
         elif isinstance(value, list) and value and all(isinstance(inner, dict) for inner in value):
             tag.tags += [_of_data(key, inner) for inner in value]
