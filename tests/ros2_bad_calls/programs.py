@@ -47,6 +47,16 @@ RUN_LAUNCH_DOCTOR = [
     Bad('launch <empty_launch> --launch-prefix "\'"', "--launch-prefix '.*No closing quotation"),
     Bad("launch <empty_launch> --launch-prefix x --launch-prefix-filter '('", "is no regular expression"),
     Bad("launch <empty_launch> --launch-prefix-filter x", "needs a --launch-prefix"),
+    *(
+        # In a notebook it is a right word, and so the next thing that is wrong is told.
+        Bad(f"{line} --background", f"is for %ros2 in a notebook: in a terminal write &|{otherwise}", 2)
+        for line, otherwise in {
+            "launch": "required: package_name",
+            "topic hz": "required: topic_name",
+            "bag info": "required: bag_path",
+            "node list --no-such": "unrecognized arguments: --no-such",
+        }.items()
+    ),
     Bad("doctor extra", "invalid choice: 'extra'", 2),
     Bad("doctor --report --report-failed", "not allowed with argument", 2),
     Bad("wtf <long>", "invalid choice: 'xxx.*characters", 2),
