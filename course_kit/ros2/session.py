@@ -101,7 +101,7 @@ class Session:
         node = self.node
         spin_time: float | None = getattr(self._args, "spin_time", None)
         known = discovery.of(node, keep=self.in_notebook)
-        known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time)
+        known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time, self.warn)
         return node
 
     def named(self, noun: str, with_hidden: bool = False) -> Mapping[str, Sequence[str]]:
