@@ -39,6 +39,33 @@ def test_a_parser_alone_loads_no_ros():
     assert loaded & (HEAVY | UNUSED | {"rclpy"}) == set()
 
 
+# Says at the first import of what nodes are made of whether this process has joined the graph.
+JOINED = """
+import os, sys
+from course_kit.internals.fastdds_parts import participants_listening
+from course_kit.ros2.command import main
+
+class Look:
+    def find_spec(self, name, path=None, target=None):
+        if name == "rclpy.node":
+            there = participants_listening(int(os.environ["ROS_DOMAIN_ID"]))
+            print("joined" if there else "not yet", file=sys.stderr)
+
+sys.meta_path.insert(0, Look())
+sys.argv = ["ros2", *sys.argv[1:]]
+main()
+"""
+
+
+@pytest.mark.parametrize("words", ["topic list", "node list -a", "topic echo /nothing", "param list"])
+def test_the_graph_is_joined_before_the_rest_is_imported(words):
+    with own_domain():
+        command = [sys.executable, "-c", JOINED, *words.split()]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.stderr.splitlines()[0] == "joined"
+    assert "_joining" not in done.stdout
+
+
 LATER = """
 import sys
 from concurrent.futures import ThreadPoolExecutor

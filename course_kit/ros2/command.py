@@ -121,6 +121,8 @@ def perform(args: Namespace) -> int:
     session = Session(args)
     try:
         with long_task(lambda: f"ros2 {' '.join(args.words)}", getattr(args, "duration", None)):
+            if hasattr(args, "spin_time"):  # of all verbs that look at the graph
+                session.join()
             return args.verb.run(args, session) or 0
     except DurationOver:
         return 0

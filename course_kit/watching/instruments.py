@@ -20,7 +20,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from course_kit.internals.rclpy_parts import fast_executor
 from course_kit.polling import wait_until
-from course_kit.spinning import context, errors
+from course_kit.spinning import context, errors, presence
 from course_kit.spinning.executors import SpinThread
 from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
@@ -151,6 +151,7 @@ def _running() -> _Instruments:
                 return _instruments
             stop()  # those of a context that was shut down
         made = quiet_node(f"{_name_prefix}_{os.getpid()}", with_rosout=_with_rosout)
+        presence.end()
         report = functools.partial(errors.report, made.get_fully_qualified_name())
         spinning = SpinThread(made, report, fast_executor(made.context)).start()
         _instruments = _Instruments(start, Watcher(made, report), spinning)

@@ -22,6 +22,7 @@ SAME_INTERRUPT = 0.5  # seconds: a shell may pass one Ctrl-C on twice, to the pr
 
 
 def _run(args: Namespace, session: Session) -> None:
+    session.join()
     from rclpy.action import ActionClient
 
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed

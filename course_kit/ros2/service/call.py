@@ -14,6 +14,7 @@ from course_kit.ros2.verbs import LONGEST, CommandError, Verb, argument, failing
 
 
 def _run(args: Namespace, session: Session) -> None:
+    session.join()
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
     from course_kit.watching.instruments import client_of
