@@ -69,7 +69,7 @@ VERBS = [
     Goes(f"topic pub /talk {STRING} '{{data: hello}}'", "publishing #2"),
     Goes(f"topic pub /talk {STRING} -r 9e9", "publishing #1000"),
     Goes(f"topic pub /talk {STRING} -r 1e-300", "publishing #1"),
-    Goes(f"topic pub /talk {STRING} --use-sim-time -w 0", "publishing #2"),
+    Goes(f"topic pub /talk {STRING} --use-sim-time -w 0", "publishing #1"),  # nobody publishes /clock
     Goes(f"topic pub /talk {STRING} --once", "Waiting for at least 1 matching"),
     Goes(f"topic pub /talk {STRING} --once -w 0 --keep-alive 9e9", "publishing #1"),
     Goes(f"service call /silent {TRIGGER}", "making request"),
