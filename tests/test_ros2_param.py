@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import pytest
 import yaml
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor
+from rcl_interfaces.srv import GetParameters
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from course_kit.background.running import run, stop
 from course_kit.watching import instruments
@@ -30,6 +35,22 @@ class Robot(Node):
         self.declare_parameter("wheel.radius", 0.2, ParameterDescriptor(floating_point_range=[limits]))
         self.declare_parameter("arm.joints", ["shoulder", "elbow"])
         self.declare_parameter("spare", True, ParameterDescriptor(dynamic_typing=True))
+
+
+class Forgetful(Node):
+    """Leaves the first request without an answer, as if it were lost on the way."""
+
+    def __init__(self) -> None:
+        super().__init__("forgetful", start_parameter_services=False)
+        self.ends, self._asked = Event(), 0
+        group = ReentrantCallbackGroup()
+        self.create_service(GetParameters, "~/get_parameters", self._answer, callback_group=group)
+
+    def _answer(self, request: Any, response: Any) -> Any:
+        self._asked += 1
+        if self._asked == 1:
+            self.ends.wait(60)
+        return GetParameters.Response(values=[Parameter("a", value=self._asked).get_parameter_value()])
 
 
 @pytest.fixture
@@ -118,6 +139,16 @@ def test_a_node_that_only_starts_is_waited_for(verb: str, rest: str, said: str, 
         stop(node)
     assert (outcome.err, outcome.status) == ("", 0)
     assert said in outcome.out
+
+
+def test_a_request_that_is_lost_is_sent_again() -> None:
+    node = run(Forgetful, executor=MultiThreadedExecutor(2))
+    try:
+        outcome = ros2("param", "get", "/forgetful", "a")
+        assert (outcome.out, outcome.err, outcome.status) == ("Integer value is: 2\n", "", 0)
+    finally:
+        node.ends.set()
+        stop(node)
 
 
 def test_parameters_are_described_and_deleted(robot: Node) -> None:

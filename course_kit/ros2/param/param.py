@@ -138,7 +138,8 @@ def _delete(args: Namespace, session: Session) -> None:
     from rcl_interfaces.msg import Parameter
 
     node = _found_node(args, session)
-    (result,) = call(session, node, "set_parameters", parameters=[Parameter(name=args.parameter_name)]).results
+    nothing = Parameter(name=args.parameter_name)
+    (result,) = call(session, node, "set_parameters", is_repeated=False, parameters=[nothing]).results
     _report(session, result, "Deleted parameter", "Deleting parameter", adverb="successfully")
 
 
