@@ -62,6 +62,7 @@ SECONDS = {
     "test_turtlesim_node": 57,
     "test_ros2_bad_input": 58,
     "test_ros2_echo_pub": 55,
+    "test_ros2_rates": 80,
     "test_ros2_bag": 46,
     "test_progress_bar": 70,
     "test_form_in_browser": 60,

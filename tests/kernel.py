@@ -34,13 +34,17 @@ class Kernel:
         self.client.stop_channels()
         self.manager.shutdown_kernel(now=True)
 
-    def send(self, code: str) -> str:
-        """Start a cell; return its message id."""
-        return self.client.execute(code)
+    def send(self, code: str, identity: str = "") -> str:
+        """Start a cell, which has an id as in JupyterLab if one is given; return its message id."""
+        content = {"code": code, "silent": False, "store_history": True, "user_expressions": {}, "allow_stdin": False}
+        metadata = {"cellId": identity} if identity else {}
+        message = self.client.session.msg("execute_request", content, metadata=metadata)
+        self.client.shell_channel.send(message)
+        return str(message["header"]["msg_id"])
 
-    def run(self, code: str, timeout: float = 30.0) -> str:
+    def run(self, code: str, timeout: float = 30.0, identity: str = "") -> str:
         """Run a cell to its end; return its message id. AssertionError if it raised."""
-        cell = self.send(code)
+        cell = self.send(code, identity)
         self.finish(cell, timeout)
         errors = [m["content"] for m in self.of(cell) if m["msg_type"] == "error"]
         assert not errors, "\n".join(errors[0]["traceback"])

@@ -54,6 +54,7 @@ CELLS = {
     "log-console": "from course_kit import watch_logs\nconsole = watch_logs()",
     "live-graph": "from course_kit import show_graph\ngraph = show_graph()",
     "form": "from course_kit import show_form\nform = show_form('/turtle1/cmd_vel')",
+    "verb": "hz = %ros2 topic hz /turtle1/pose --background",
     "turtle": "from course_kit.live.turtle import drive\npanel = drive()",
     "figure": "plot_graph()",
     "pose": "plot_pose(record('/turtle1/pose', count=30))",
@@ -74,6 +75,12 @@ CELL = (
     "id => { const notebook = window.jupyterapp.shell.currentWidget.content;"
     "return notebook.widgets.find(one => one.model.sharedModel.id === id); }"
 )
+
+# JupyterLab lays out anew a moment after its window or its sidebar has changed. `narrow`: the sidebar is closed.
+LAID_OUT = """narrow => {
+    const notebook = window.jupyterapp.shell.currentWidget.node.getBoundingClientRect(), edge = window.innerWidth;
+    return edge - 60 < notebook.right && notebook.right <= edge && narrow === notebook.left < 60;
+}"""
 
 
 # The contrast of every element's own words with what they stand on, as WCAG 2 defines it: of the colours that the
@@ -131,7 +138,7 @@ def wide(lab: Lab, request: pytest.FixtureRequest) -> Iterator[Lab]:
     if request.param < 1000:
         lab.page.evaluate("() => window.jupyterapp.shell.collapseLeft()")
     lab.page.set_viewport_size({"width": request.param, "height": 900})
-    lab.page.wait_for_timeout(300)  # JupyterLab lays out anew a moment later
+    lab.page.wait_for_function(LAID_OUT, arg=request.param < 1000)
     yield lab
     lab.page.set_viewport_size({"width": 1280, "height": 1000})
     lab.page.evaluate("() => window.jupyterapp.shell.expandLeft()")
@@ -166,6 +173,7 @@ def test_each_picture_has_its_alternative_text(lab: Lab, name: str) -> None:
         ("logs", 5),
         ("log-console", 5),
         ("form", 8),
+        ("verb", 2),
         ("turtle", 2),
         ("verdict", 4),
         ("report", 3),
@@ -211,7 +219,7 @@ def focused(lab: Lab) -> str | None:
     return lab.page.evaluate("() => document.activeElement?.dataset?.control ?? null")  # type: ignore[no-any-return]
 
 
-@pytest.mark.parametrize(("name", "least"), [("log-console", 5), ("turtle", 5), ("form", 8)])
+@pytest.mark.parametrize(("name", "least"), [("log-console", 5), ("turtle", 5), ("form", 8), ("verb", 1)])
 def test_tab_reaches_every_control_and_leaves_them_again(lab: Lab, name: str, least: int) -> None:
     there = controls(lab, name)
     assert len(there) >= least

@@ -23,13 +23,15 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from course_kit.forms import sending
+from course_kit.forms import calling
+from course_kit.forms.calling import GoalSender
 from course_kit.forms.command_line import command_line
 from course_kit.forms.fields import read
 from course_kit.forms.interface import ACTION, SERVICE, TOPIC, Interface
 from course_kit.forms.lookup import find
 from course_kit.forms.program import program
-from course_kit.forms.sending import GoalSender, Publishing, Sender, sender
+from course_kit.forms.sender import Sender
+from course_kit.forms.sending import Publishing, sender
 from course_kit.ros2.messages.yaml_text import to_dict
 from course_kit.spinning import context
 from course_kit.spinning.executors import SpinThread
@@ -209,12 +211,12 @@ def test_a_form_that_ends_cancels_its_goal(other, open_senders):
 
 
 def test_a_server_that_is_not_there_refuses_is_silent_or_dies_is_told(open_senders, monkeypatch):
-    monkeypatch.setattr(sending, "FOUND", 0.3)
+    monkeypatch.setattr(calling, "FOUND", 0.3)
     nobody = open_senders(Interface(SERVICE, "/nobody", Trigger))
     nobody.send({})
     assert line(nobody, "nobody") == "nobody offers /nobody (waited 0.3 s)"
     assert nobody.state.is_problem
-    monkeypatch.setattr(sending, "FOUND", 20.0)
+    monkeypatch.setattr(calling, "FOUND", 20.0)
     with ros2_command.program("tests.ros2_servers", "/bad"):
         refusing = open_senders(Interface(ACTION, "/bad/refusing", Fibonacci))
         refusing.send({})
@@ -225,11 +227,11 @@ def test_a_server_that_is_not_there_refuses_is_silent_or_dies_is_told(open_sende
         stubborn.cancel()
         wait_until(lambda: stubborn.state.line == "the server does not cancel this goal: it goes on")
         assert stubborn.state.is_busy
-        monkeypatch.setattr(sending, "ANSWER", 0.5)
+        monkeypatch.setattr(calling, "ANSWER", 0.5)
         silent = open_senders(Interface(SERVICE, "/bad/silent", Trigger))
         silent.send({})
         assert line(silent, "/bad/silent gave no answer within 0.5 s")
-        monkeypatch.setattr(sending, "ANSWER", 20.0)
+        monkeypatch.setattr(calling, "ANSWER", 20.0)
         mortal = open_senders(Interface(ACTION, "/bad/mortal_action", Fibonacci))
         mortal.send({})
         assert line(mortal, "the server of /bad/mortal_action ended")

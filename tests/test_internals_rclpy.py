@@ -15,7 +15,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Empty
 
 from course_kit.background import guards
-from course_kit.internals import TRIED_RCLPY, package_version, rclpy_parts, untried
+from course_kit.internals import TRIED_RCLPY, package_version, rclpy_message_parts, rclpy_parts, untried
 from course_kit.spinning import context
 from tests.kernel import Kernel
 from tests.waiting import wait_until
@@ -30,7 +30,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 from course_kit import record, run, stop, wait_for
-from course_kit.internals import rclpy_parts
+from course_kit.internals import rclpy_message_parts, rclpy_parts
 from course_kit.watching import instruments
 
 class Talker(Node):
@@ -106,7 +106,9 @@ def test_the_fast_executor_is_the_one_for_events(node):
     executor.shutdown()
 
 
-@pytest.mark.parametrize("kind", [rclpy_parts.CppReception, lambda c: rclpy_parts.PublicReception(c, "_own")])
+@pytest.mark.parametrize(
+    "kind", [rclpy_message_parts.CppReception, lambda c: rclpy_message_parts.PublicReception(c, "_own")]
+)
 def test_serialised_messages_come_with_their_info_and_what_the_middleware_says(node, kind):
     """By the C++ module, and as the public ways give the same."""
     reception = kind(node.context)
@@ -198,10 +200,10 @@ stop(talk())
     assert lines == ["talks", f"course_kit: rclpy has no RcutilsLogger.__del__ here: {lost}", "talks"]
 
 
-@pytest.mark.parametrize("name", rclpy_parts.CPP)
+@pytest.mark.parametrize("name", rclpy_message_parts.CPP)
 def test_beside_another_cpp_module_topics_are_recorded_through_an_executor(name):
     lines = said(f"""
-rclpy_parts.CPP[{name!r}] += ("of_tomorrow",)
+rclpy_message_parts.CPP[{name!r}] += ("of_tomorrow",)
 talk()
 with record("/chatter") as recording:
     wait_for(lambda: len(recording) > 20)
@@ -216,7 +218,7 @@ def test_a_wait_set_that_takes_other_arguments_is_found():
 from rclpy.impl import implementation_singleton as singleton
 cpp = singleton.rclpy_implementation
 class Module:
-    WaitSet = type("WaitSet", (), dict.fromkeys(rclpy_parts.CPP["WaitSet"]))
+    WaitSet = type("WaitSet", (), dict.fromkeys(rclpy_message_parts.CPP["WaitSet"]))
     def __getattr__(self, name):
         return getattr(cpp, name)
 singleton.rclpy_implementation = Module()

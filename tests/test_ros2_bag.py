@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import resource
@@ -325,6 +326,33 @@ def test_playing_at_another_rate_under_another_name_and_a_part_of_it(tmp_path: P
     assert 0.05 < (received.times[-1] - received.times[0]) * 1e-9 < 0.3  # 0.5 s of the bag, four times as fast
 
 
+def test_bags_are_played_together_as_they_were_recorded(tmp_path: Path) -> None:
+    """Their messages come in the order of time, also of a topic that both have; where types differ, none comes."""
+    from rclpy.serialization import serialize_message
+    from std_msgs.msg import String
+
+    def bag(name: str, topic: str, numbers: Sequence[int], type_name: str = "std_msgs/msg/String") -> str:
+        writer = BagWriter(tmp_path / name, "sqlite3" if name == "odd" else "mcap")
+        writer.add_topic(topic, type_name)
+        for number in numbers:
+            writer.write(topic, 1000 * SECOND + number * SECOND // 50, serialize_message(String(data=str(number))))
+        writer.close()
+        return str(tmp_path / name)
+
+    even, odd, late = bag("even", "/played", range(0, 40, 2)), bag("odd", "/played", range(1, 40, 2)), tmp_path / "late"
+    bag("late", "/also", [10])
+    with Received("/played") as received, Received("/also") as also:
+        out = ros2("bag", "play", "-i", even, "-i", odd, "sqlite3", "--input", str(late), "--start-offset", "0.1")
+        wait_until(lambda: len(received.numbers) == 35 and also.numbers == [10])
+    assert out.status == 0
+    assert received.numbers == list(range(5, 40))
+    assert received.times[4] <= also.times[0] <= received.times[7]
+    assert 0.5 < (received.times[-1] - received.times[0]) * 1e-9 < 1.0
+    out = ros2("bag", "play", "-i", even, "-i", bag("other", "/played", [], "std_msgs/msg/Int32"))
+    assert out.err.splitlines()[-1].endswith("'/played' is of two types, std_msgs/msg/String and std_msgs/msg/Int32")
+    assert (out.out, out.status) == ("", 1)
+
+
 def test_playing_in_a_loop_until_ctrl_c(tmp_path: Path) -> None:
     bag = made_bag(tmp_path / "bag", count=10)
     with Received("/played") as received, bag_command("play", "-l", "-d", "0.05", str(bag)) as run:
@@ -392,12 +420,18 @@ def test_playing_gives_the_time_of_the_bag(tmp_path: Path) -> None:
         clock = deserialize_message(data, Clock).clock
         stamps.append(clock.sec + clock.nanosec * 1e-9)
 
-    subscription = instruments.subscribe("/clock", receive, Clock)
-    assert ros2("bag", "play", "--clock", "50", str(bag)).status == 0
-    subscription.close()
-    assert len(stamps) > 25
-    assert 1000 <= stamps[0] < stamps[-1] < 1001.1
-    assert stamps == sorted(stamps)
+    with contextlib.closing(instruments.subscribe("/clock", receive, Clock)):
+        assert ros2("bag", "play", "--clock", "50", str(bag)).status == 0
+        assert len(stamps) > 25
+        assert 1000 <= stamps[0] < stamps[-1] < 1001.1
+        assert stamps == sorted(stamps)
+        for chosen in (("--clock-topics", "/played", "/other"), ("--clock-topics-all",)):
+            stamps.clear()
+            assert ros2("bag", "play", str(bag), "--playback-until-sec", "1000.19", *chosen).status == 0
+            wait_until(lambda: len(stamps) == 10)
+            assert stamps == pytest.approx([1000 + 0.02 * number for number in range(10)], abs=1e-6)
+        assert ros2("bag", "play", str(bag), "--clock-topics", "/other", "--playback-until-nsec", "1").status == 0
+        assert len(stamps) == 10
 
 
 def test_keys_pause_a_recording(tmp_path: Path) -> None:

@@ -46,6 +46,7 @@ def world() -> Iterator[None]:
     [
         (("--field", "ranges"), "array('f', [1.0, 2.0, 3.0, 4.0, 5.0])\n---\n"),
         (("--field", "ranges[-1]"), "5.0\n---\n"),
+        (("--field", "ranges.[-1]"), "5.0\n---\n"),
         (("--field", "header.frame_id"), "laser\n---\n"),
         (("--field", "header.stamp", "--flow-style"), "sec: 0\nnanosec: 0\n---\n"),
         (("--field", "header", "--no-str"), "stamp:\n  sec: 0\n  nanosec: 0\nframe_id: '<string length: <5>>'\n---\n"),
@@ -150,6 +151,12 @@ def test_a_qos_that_fits_no_publisher_is_warned_of():
     )
 
 
+def test_the_option_for_lost_messages_is_taken_and_called_old():
+    outcome = ros2("topic", "echo", "/chatter", "--once", "--lost-messages")
+    assert outcome.err == "WARNING: '--lost-messages' is deprecated; lost messages are reported by default\n"
+    assert (outcome.out.count("---\n"), outcome.status) == (1, 0)
+
+
 def test_publishers_that_differ_are_all_echoed():
     with Running("topic", "echo", "/mixed") as echo:
         echo.until("from publisher 0")
@@ -240,11 +247,12 @@ def test_the_publishing_node_may_have_a_name():
     assert any("/teacher\n" not in ros2("node", "list").out for _ in range(20))
 
 
-def test_pub_waits_for_subscriptions_as_long_as_it_is_told():
+@pytest.mark.parametrize(("limit", "lines"), [("0.5", 1), ("1", 2)])  # a line each second, and at the end of one
+def test_pub_waits_for_subscriptions_as_long_as_it_is_told(limit, lines):
     outcome = ros2(
-        "topic", "pub", "--once", "--max-wait-time-secs", "0.5", "/robot1/cmd_val", "geometry_msgs/msg/Twist"
+        "topic", "pub", "--once", "--max-wait-time-secs", limit, "/robot1/cmd_val", "geometry_msgs/msg/Twist"
     )
-    assert outcome.out == "Waiting for at least 1 matching subscription(s)...\n"
+    assert outcome.out == "Waiting for at least 1 matching subscription(s)...\n" * lines
     assert outcome.err == (
         "Did you mean /robot1/cmd_vel?\n"
         "Timed out waiting for subscribers: Expected 1 subcribers but only got 0 subscribers\n"

@@ -99,13 +99,16 @@ def udp_table(*ports: int) -> str:
 
 def test_participants_are_counted_by_their_pairs_of_ports():
     ports = (10, 11, 14, 15, 16, 260, 261)
-    assert participants_listening(3, lambda: udp_table(*(FIRST + port for port in ports))) == 2
+    assert participants_listening(3, lambda: udp_table(*(FIRST + port for port in ports))) == {
+        FIRST + 10: str(FIRST + 10),
+        FIRST + 14: str(FIRST + 14),
+    }
 
 
 def test_a_socket_that_closes_while_the_kernel_tells_hides_no_participant():
     whole = udp_table(FIRST + 10, FIRST + 11)
     tables = [udp_table(5353, FIRST + 10), whole, whole]
-    assert participants_listening(3, iter(tables).__next__) == 1
+    assert participants_listening(3, iter(tables).__next__) == {FIRST + 10: str(FIRST + 10)}
 
 
 def test_the_endpoints_that_a_participant_announces_are_read_from_its_message():

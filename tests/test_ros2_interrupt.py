@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import shlex
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -14,7 +15,10 @@ from typing import NamedTuple
 
 import pytest
 from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path as Walk
+from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
+from rclpy.serialization import serialize_message
 
 from course_kit import bags
 from course_kit.background.running import running
@@ -65,13 +69,14 @@ VERBS = [
     Goes(f"topic pub /talk {STRING} '{{data: hello}}'", "publishing #2"),
     Goes(f"topic pub /talk {STRING} -r 9e9", "publishing #1000"),
     Goes(f"topic pub /talk {STRING} -r 1e-300", "publishing #1"),
-    Goes(f"topic pub /talk {STRING} --use-sim-time -w 0", "publishing #2"),
+    Goes(f"topic pub /talk {STRING} --use-sim-time -w 0", "publishing #1"),  # nobody publishes /clock
     Goes(f"topic pub /talk {STRING} --once", "Waiting for at least 1 matching"),
     Goes(f"topic pub /talk {STRING} --once -w 0 --keep-alive 9e9", "publishing #1"),
     Goes(f"service call /silent {TRIGGER}", "making request"),
     Goes(f"service call /nobody {TRIGGER}", "waiting for service"),
     Goes("service call /clear std_srvs/srv/Empty -r 9e9", "response:"),
     Goes("service call /clear std_srvs/srv/Empty -r 1e-9", "response:"),
+    Goes("service echo /spawn", "No publishers on topic"),
     Goes(f"action send_goal /nobody {FIBONACCI} {{}}", "Waiting for an action server"),
     Goes(f"action send_goal /endless {FIBONACCI} {{}}", "Goal accepted", 0),
     Goes(f"action send_goal /stubborn {FIBONACCI} {{}}", "Goal accepted", 1),
@@ -82,6 +87,10 @@ VERBS = [
     Goes("param load /asleep PARAMETERS", "/asleep/set_parameters"),
     Goes("param delete /asleep a", "/asleep/set_parameters"),
     Goes("param describe /asleep a", "/asleep/describe_parameters"),
+    Goes("lifecycle get", "/asleep/get_state"),
+    Goes("lifecycle list /asleep", "/asleep/get_available_transitions"),
+    Goes("doctor hello --print-period 0.2", "MULTIMACHINE"),
+    Goes("doctor hello --emit-period 9e9 --print-period 0.2", "MULTIMACHINE"),
     Goes("bag record --topics /turtle1/pose -o NEW", "Subscribed to topic '/turtle1/pose'"),
     Goes("bag record --all --start-paused -o NEW", "Recording..."),
     Goes("bag play BAG --loop", "Playback until"),
@@ -108,11 +117,21 @@ class Stamps(Node):
         self.publisher.publish(message)
 
 
+class Walks(Node):
+    """Publishes paths so long that a command which reads them does little else."""
+
+    def __init__(self) -> None:
+        super().__init__("walks")
+        publisher = self.create_publisher(Walk, "walk", 10)
+        walk = serialize_message(Walk(poses=[PoseStamped()] * 2000))
+        self.create_timer(0.05, lambda: publisher.publish(walk))
+
+
 @pytest.fixture(scope="module")
 def turtle(fresh_domain: None) -> Iterator[Node]:
     """A simulator, servers that behave badly in a process of their own, and /asleep, which nobody spins."""
     with program("tests.ros2_servers"), running(TurtleSim, Stamps) as (node, _):
-        asleep = Node("asleep")
+        asleep = LifecycleNode("asleep")
         yield node
         asleep.destroy_node()
 
@@ -186,6 +205,39 @@ def test_an_interrupt_ends_it(
     assert (status, seconds < WITHIN) == (goes.status, True), f"after {seconds:.1f} s: {written}"
     assert "Traceback" not in written
     assert turtle.context.ok()
+
+
+def test_an_interrupt_in_the_midst_of_a_message_is_no_error(turtle: Node, monkeypatch: pytest.MonkeyPatch) -> None:
+    with running(Walks):
+        for _ in range(20):
+            wait_for(lambda: not is_used("/walk", turtle))
+            output = io.StringIO()
+            monkeypatch.setattr(sys, "stdout", output)
+            words = ["topic", "echo", "/walk", "--field", "header.frame_id"]
+            status, seconds = run_interrupted(words, "---", turtle, output)
+            assert (status, seconds is not None and seconds < WITHIN) == (signal.SIGINT, True)
+
+
+# An interrupt while the command is still importing what its verb needs.
+EARLY = """
+import signal, sys
+from course_kit.ros2 import command
+
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "course_kit.ros2.topic.topic":
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+command.main()
+"""
+
+
+def test_an_interrupt_before_a_verb_runs_ends_quietly() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", EARLY, "topic", "list"], capture_output=True, text=True, timeout=TIMEOUT
+    )
+    assert (ended.stdout, ended.stderr, ended.returncode) == ("", "", signal.SIGINT)
 
 
 @pytest.mark.parametrize(

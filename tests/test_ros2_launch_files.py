@@ -12,8 +12,6 @@ from course_kit.launching import output
 from course_kit.ros2.line_completion import complete
 from tests.ros2_launches import IMPORTS, Prefix, RunningGroup
 
-REAL = "it needs the real `ros2 launch`"
-
 
 @pytest.fixture
 def prefix(tmp_path: Path) -> Prefix:
@@ -94,7 +92,7 @@ def test_unknown_packages_and_files_are_told(prefix: Prefix) -> None:
 
 def test_arguments_are_checked(prefix: Prefix) -> None:
     lines = ended(prefix, "demo", "demo.launch.py", "mode:=odd", status=1)
-    reason = """Argument "mode" provided value "odd" is not valid. Valid options are: ['slow', 'fast']"""
+    reason = "mode:=odd is none of the choices ['slow', 'fast']"
     assert lines[-1] == f"[ERROR] [launch]: Caught exception in launch (see debug for traceback): {reason}"
     prefix.launch_file("demo", "needy.launch.py", 'DeclareLaunchArgument("name", description="whose")')
     assert ended(prefix, "demo", "needy.launch.py", status=1)[-1] == (
@@ -107,11 +105,11 @@ def test_arguments_are_checked(prefix: Prefix) -> None:
     ("text", "name"),
     [
         ("from launch.actions import ForLoop", "launch.actions.ForLoop"),
-        ("from launch_ros.actions import LifecycleNode", "launch_ros.actions.LifecycleNode"),
+        ("from launch_ros.actions import ComposableNodeContainer", "launch_ros.actions.ComposableNodeContainer"),
         ("from launch_ros.descriptions import ComposableNode", "launch_ros.descriptions.ComposableNode"),
         ("import launch.frontend", "launch.frontend"),
         ("import launch\nlaunch.actions.ForLoop()", "launch.actions.ForLoop"),
-        ("from launch_xml.launch_description_sources import XMLLaunchDescriptionSource", "launch_xml"),
+        ("import launch_testing", "launch_testing"),
         (IMPORTS + "Node(executable='x', sigfoo=1)])", "Node does not know the argument 'sigfoo'"),
     ],
 )
@@ -149,18 +147,11 @@ def test_a_slip_of_the_pen_gets_a_suggestion(prefix: Prefix) -> None:
     assert "did you mean DeclareLaunchArgument?" in line
 
 
-@pytest.mark.parametrize("name", ["a.launch.xml", "b.launch.yaml"])
-def test_other_formats_need_the_real_launch(prefix: Prefix, name: str) -> None:
-    (line,) = broken(prefix, "<launch/>", name)
-    assert name in line
-    assert REAL in line
-
-
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
         ("nonsense", "NameError: name 'nonsense' is not defined"),
-        ("x = 1", "does not contain the required function 'generate_launch_description()'"),
+        ("x = 1", "has no function generate_launch_description()"),
         ("def generate_launch_description(): pass", "generate_launch_description() returned NoneType"),
         ("import not_there", "ModuleNotFoundError: No module named 'not_there'"),
     ],
@@ -177,14 +168,18 @@ def test_a_broken_file_is_told_as_the_real_one_tells_it(prefix: Prefix, text: st
 @pytest.mark.parametrize(
     ("entity", "reason"),
     [
-        ('LogInfo(msg=LaunchConfiguration("nope"))', "launch configuration 'nope' does not exist"),
-        ('LogInfo(msg=EnvironmentVariable("NOPE"))', "environment variable 'NOPE' does not exist"),
-        ('LogInfo(msg="", condition=IfCondition("perhaps"))', "expected one of 'true', '1', 'false', or '0'"),
-        ('LogInfo(msg=Command("false"))', "executed command failed. Command: false"),
+        ('LogInfo(msg=LaunchConfiguration("nope"))', "nothing has set the launch configuration 'nope'"),
+        ('LogInfo(msg=EnvironmentVariable("NOPE"))', "the environment has no variable 'NOPE'"),
+        ('LogInfo(msg="", condition=IfCondition("perhaps"))', "a condition is true, 1, false or 0"),
+        ('LogInfo(msg=Command("false"))', "`false` ended with status 1"),
         ('Node(package="nope", executable="x")', "\"package 'nope' not found, searching: ["),
-        ('Node(package="demo", executable="x")', "executable 'x' not found on the libexec directory '"),
+        ('Node(package="demo", executable="x")', "no executable 'x' is in '"),
         ('Node(executable="true", name="a b")', "Invalid node name"),
-        ('Node(executable="true", parameters=[{"a": [1, "b"]}])', "Expected a non-empty sequence"),
+        ('Node(executable="true", parameters=[{"a": [1, "b"]}])', "the items of a parameter are of one type"),
+        (
+            'Node(executable="true", parameters=[{"a": {"b": Command("echo b: c: d")}}])',
+            "value of parameter a.b is no YAML",
+        ),
     ],
 )
 def test_what_fails_while_it_runs_is_one_line(prefix: Prefix, entity: str, reason: str) -> None:

@@ -117,6 +117,9 @@ def test_an_open_quote_is_said_in_one_line(kernel):
         ("%ros2 node info /ta", "/talker"),
         ("%ros2 param get /talker use", "use_sim_time"),
         ("%ros2 service call /talker/list", "/talker/list_parameters"),
+        ("%ros2 topic pub /new geometry_msgs/msg/Twist '{li", "'{linear:"),
+        ('%ros2 topic pub /new geometry_msgs/msg/Twist "{linear: {x: 1.0, ', "y:"),
+        ("%ros2 topic pub /new std_msgs/msg/Bool ", "'{data: false}'"),
     ],
 )
 def test_tab_completes_commands_names_and_types(kernel, line, expected):

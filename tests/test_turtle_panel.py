@@ -37,19 +37,10 @@ class Panel:
     def __init__(self, kernel: Kernel, arguments: str = "") -> None:
         self.kernel = kernel
         self.began = len(kernel.messages)
-        self.cell = self._run(f"panel = drive({arguments})\npanel")
+        self.cell = kernel.run(f"panel = drive({arguments})\npanel", identity=f"cell {self.began}")
         shown = [m["content"] for m in kernel.of(self.cell) if m["msg_type"] in ("display_data", "execute_result")]
         (self.first,) = [content for content in shown if WIDGET in content["data"]]
         self.comm = self.first["data"][WIDGET]["model_id"]
-
-    def _run(self, code: str) -> str:
-        """Run it as JupyterLab runs a cell, which has an id."""
-        content = {"code": code, "silent": False, "store_history": True, "user_expressions": {}, "allow_stdin": False}
-        session, channel = self.kernel.client.session, self.kernel.client.shell_channel
-        message = session.msg("execute_request", content, metadata={"cellId": f"cell {self.began}"})
-        channel.send(message)
-        self.kernel.finish(message["header"]["msg_id"])
-        return str(message["header"]["msg_id"])
 
     def tell(self, **content: Any) -> None:
         """What the browser says."""

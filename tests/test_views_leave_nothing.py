@@ -55,6 +55,7 @@ KINDS = {
     "logs": "watch_logs()",
     "graph": "show_graph()",
     "turtle": "drive()",
+    "ros2": "get_ipython().run_line_magic('ros2', 'topic list --background')",
 }
 
 

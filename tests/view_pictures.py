@@ -36,6 +36,7 @@ VIEWS = {
     "logs": "turtlesim.get_logger().warn('mind the wall'); console = watch_logs()",
     "graph": "graph = show_graph()",
     "form": "from course_kit.live.form import show_form; form = show_form('/turtle1/cmd_vel')",
+    "ros2": "hz = %ros2 topic hz /turtle1/pose --background",
     "check": "check('setup-2')",
     "figure": "plot_pose(recording)",
     "pid": "import os; os.getpid()",

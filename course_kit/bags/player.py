@@ -20,7 +20,8 @@ from course_kit.bags import qos as bag_qos
 from course_kit.bags.files import OpenBag
 from course_kit.bags.read_ahead import END, SLICE, ReadAhead
 from course_kit.bags.recorder import BagLogLine
-from course_kit.bags.selection import Selection
+from course_kit.bags.requests import Requests
+from course_kit.bags.selection import Selection, service_of
 from course_kit.long_tasks import long_task
 from course_kit.polling import wait_until
 from course_kit.spinning import context
@@ -33,19 +34,22 @@ READ_AHEAD = 1000  # messages
 
 @dataclass(frozen=True)
 class PlayOptions:
-    """What to play of a bag and how; times in seconds, `until` is counted from the bag's start."""
+    """What to play of a bag and how; times in seconds, `until` in nanoseconds as messages have them."""
 
     rate: float = 1.0
     loop: bool = False
     delay: float = 0.0
     start_offset: float = 0.0
     duration: float | None = None
+    until: int | None = None
     selection: Selection = field(default_factory=lambda: Selection(every=True))
     remap: Mapping[str, str] = field(default_factory=dict)
     overrides: Mapping[str, QoSProfile] = field(default_factory=dict)
     clock_rate: float = 0.0
+    clock_topics: Selection = field(default_factory=Selection)  # whose messages bring /clock up to date
     read_ahead: int = READ_AHEAD
     starts_paused: bool = False
+    sends_requests: bool = False  # in place of the events that tell of them
 
 
 class BagClock:
@@ -100,9 +104,11 @@ class Player:
         self._ticked = 0.0
         self._steps = 0  # messages to publish while the clock is paused
         profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-        clock_rate = options.clock_rate
-        self._clock_publisher = self.node.create_publisher(Clock, "/clock", profile) if clock_rate else None
+        self._clock_topics = {c.topic for c in bag.connections if options.clock_topics.takes(c.topic, c.msgtype)}
+        has_clock = options.clock_rate or self._clock_topics
+        self._clock_publisher = self.node.create_publisher(Clock, "/clock", profile) if has_clock else None
         self.say(f"Set rate to {options.rate:g}")
+        self.requests: dict[str, Requests] = {}
         try:
             self.publishers = {c.topic: p for c in bag.connections if (p := self._publisher(c)) is not None}
         except Exception:
@@ -113,7 +119,11 @@ class Player:
         topic = connection.topic
         if not self.options.selection.takes(topic, connection.msgtype):
             return None
+        service = service_of(topic, connection.msgtype) if self.options.sends_requests else None
         try:
+            if service is not None:
+                self.requests[topic] = Requests(service, connection.msgtype, lambda text: self.say(text, "WARN"))
+                return None
             message_type = topics.message_class(connection.msgtype)
         except (ImportError, ValueError) as error:
             self.say(f"Ignoring a topic '{topic}', reason: {str(error).rstrip('.')}.", "WARN")
@@ -128,10 +138,11 @@ class Player:
     @property
     def is_matched(self) -> bool:
         """Whether all subscriptions that are known are connected to the publishers."""
+        clock = [self._clock_publisher] if self._clock_publisher is not None else []
         return all(
             publisher.get_subscription_count() >= self.node.count_subscribers(publisher.topic_name)
-            for publisher in self.publishers.values()
-        )
+            for publisher in [*self.publishers.values(), *clock]
+        ) and all(requests.is_matched for requests in self.requests.values())
 
     def toggle_pause(self) -> None:
         """Stand still, or go on."""
@@ -155,7 +166,8 @@ class Player:
 
     def play(self, tick: Callable[[], None]) -> None:
         """Play to the end, or on and on if `loop`; `tick` is called every so often and may raise to end it."""
-        stop_at = None if self.options.duration is None else self._start + int(self.options.duration * 1e9)
+        ends = [] if self.options.duration is None else [self._start + int(self.options.duration * 1e9)]
+        stop_at = min(ends + ([] if self.options.until is None else [self.options.until]), default=None)
         self.say(f"Playback until timestamp: {-1 if stop_at is None else stop_at}")
         while True:
             if self.options.delay > 0:
@@ -169,6 +181,8 @@ class Player:
             tick()
         for publisher in self.publishers.values():
             publisher.wait_for_all_acked(Duration(seconds=1))
+        for requests in self.requests.values():
+            requests.wait_for_answers()
 
     def _length(self, stop_at: int | None) -> float:
         """Seconds of the bag that are played."""
@@ -176,9 +190,10 @@ class Player:
         return max(0.0, (end - self._start) * 1e-9)
 
     def _play_once(self, tick: Callable[[], None], stop_at: int | None) -> None:
-        connections = [c for c in self.bag.connections if c.topic in self.publishers]
+        senders: dict[str, Publisher | Requests] = {**self.publishers, **self.requests}
+        connections = [c for c in self.bag.connections if c.topic in senders]
         messages = ReadAhead(self.bag.messages(connections, self._start), self.options.read_ahead)
-        publish = {topic: publisher.publish for topic, publisher in self.publishers.items()}
+        publish = {topic: sender.publish for topic, sender in senders.items()}
         try:
             messages.wait_until_filled(tick)
             self.clock.jump(self._start)
@@ -188,6 +203,8 @@ class Player:
                 if stop_at is not None and nanoseconds > stop_at:
                     break
                 self._wait_until(nanoseconds, tick)
+                if connection.topic in self._clock_topics:
+                    self._publish_clock(nanoseconds)
                 publish[connection.topic](data)
             while self.clock.is_paused:  # at the end too
                 tick()
@@ -208,8 +225,8 @@ class Player:
                 left = clock.until(nanoseconds)
                 if left <= 0:
                     break
-            if self._clock_publisher is not None:
-                left = min(left, self._publish_clock())
+            if self.options.clock_rate:
+                left = min(left, self._tick_clock())
             time.sleep(min(left, SLICE))
             if clock.is_paused or clock.until(nanoseconds) > 0:
                 self._tick(tick)
@@ -220,16 +237,21 @@ class Player:
         self._ticked = time.monotonic()
         tick()
 
-    def _publish_clock(self) -> float:
-        """Publish /clock if it is time for that; return the seconds until it is again."""
+    def _publish_clock(self, nanoseconds: int) -> None:
         assert self._clock_publisher is not None
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(nanoseconds, 10**9)
+        self._clock_publisher.publish(message)
+
+    def _tick_clock(self) -> float:
+        """Publish /clock if it is time for that; return the seconds until it is again."""
         if self.clock.now() >= self._next_clock:
-            message = Clock()
-            message.clock.sec, message.clock.nanosec = divmod(self.clock.now(), 10**9)
-            self._clock_publisher.publish(message)
+            self._publish_clock(self.clock.now())
             self._next_clock = self.clock.now() + int(1e9 / self.options.clock_rate * self.clock.rate)
         return max(1e-4, self.clock.until(self._next_clock))
 
     def close(self) -> None:
-        """Destroy the publishers and their node."""
+        """Destroy the publishers and their node, and end the clients."""
+        for requests in self.requests.values():
+            requests.close()
         self.node.destroy_node()

@@ -22,7 +22,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from course_kit.bags import qos as bag_qos
 from course_kit.bags import types as bag_types
-from course_kit.bags.selection import Selection
+from course_kit.bags.selection import Selection, service_of
 from course_kit.ros_graph import graph
 from course_kit.spinning import context, errors
 from course_kit.spinning.nodes import quiet_node
@@ -157,7 +157,7 @@ class Recorder:
 
     def _look_on(self) -> None:
         while not self._ending.is_set():
-            if self.selection.is_finite and set(self.selection.names) <= self._subscriptions.keys():
+            if self.selection.is_finite and self.selection.wanted <= self._subscriptions.keys():
                 self.say("All requested topics are subscribed. Stopping discovery...")
                 return
             if self._ending.wait(self.look_period):
@@ -184,7 +184,9 @@ class Recorder:
                 f"Topic '{topic}' has more than one type associated. Only topics with one type are supported"
             )
             return False
-        if not self.selection.with_hidden and graph.is_hidden(topic):
+        service = service_of(topic, types[0])
+        is_service = service is not None and self.selection.takes_service(service)
+        if not (self.selection.with_hidden or is_service) and graph.is_hidden(topic):
             self._warn_once("Hidden topics are not recorded. Enable them with --include-hidden-topics")
             return False
         is_wanted = published or self.selection.with_unpublished

@@ -31,14 +31,14 @@ def definition(type_name: str) -> str:
     return "".join([first, *(f"\n{SEPARATOR}\nMSG: {name}\n{text}" for name, text in others)])
 
 
-def type_hash(type_name: str) -> str:
-    """The hash (RIHS01_…) of a type, '' if its package does not tell it."""
+def type_hash(type_name: str, part: str = "") -> str:
+    """The hash (RIHS01_…) of a type, or of a `part` of it such as _Request; '' if its package does not tell it."""
     try:
         described = json.loads(_file(type_name, type_name.split("/")[1], ".json").read_text(encoding="utf-8"))
     except (OSError, ValueError, LookupError):
         return ""
     hashes = {entry.get("type_name"): entry.get("hash_string") for entry in described.get("type_hashes", ())}
-    return str(hashes.get(type_name) or "")
+    return str(hashes.get(type_name + part) or "")
 
 
 def _short(type_name: str) -> str:

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import contextlib
 
-from course_kit.causes import callbacks, interfaces, names, nodes, parameters
-from course_kit.causes.raised import Raised, Rule
+TYPE_CHECKING = False  # type checkers take it for True
+if TYPE_CHECKING:
+    from course_kit.causes.raised import Rule
 
-RULES: tuple[Rule, ...] = (
-    *nodes.RULES,
-    *callbacks.RULES,
-    *interfaces.RULES,
-    *parameters.RULES,
-    *names.RULES,  # the last: they say least
-)
+
+def _rules() -> tuple[Rule, ...]:
+    """All rules; loaded when an error is to be explained, for whatever starts ROS could have one."""
+    from course_kit.causes import callbacks, interfaces, names, nodes, parameters
+
+    least_telling = names.RULES
+    return (*nodes.RULES, *callbacks.RULES, *interfaces.RULES, *parameters.RULES, *least_telling)
 
 
 def cause_of(error: BaseException) -> str:
     """The cause and the cure of what was raised, in one sentence; '' where they are not known."""
     with contextlib.suppress(Exception):  # objects of a student's are looked at, which may raise whatever they like
+        from course_kit.causes.raised import Raised
+
         raised = Raised(error)
-        for kinds, pattern, sentence in RULES:
+        for kinds, pattern, sentence in _rules():
             if (found := raised.fits(kinds, pattern)) is not None:
                 told = found.expand(sentence) if isinstance(sentence, str) else sentence(raised, found)
                 if told:
@@ -30,6 +33,8 @@ def cause_of(error: BaseException) -> str:
 
 def cause_of_line(text: str) -> str:
     """The cause and the cure of what rclpy logs, where it raises nothing."""
+    from course_kit.causes import callbacks
+
     return next((sentence for beginning, sentence in callbacks.LOGGED if text.startswith(beginning)), "")
 
 

@@ -105,6 +105,7 @@ class Interfaces(BuildHookInterface):
         share = {str(p): f"share/{name}/{p.relative_to(source)}" for p in [*files, source / "package.xml"]}
         generated = work / "share" / name
         share |= {str(p): f"share/{name}/{p.relative_to(generated)}" for p in sorted(generated.rglob("*.*"))}
+        share |= {str(p): f"share/{name}/launch/{p.name}" for p in sorted((source / "launch").glob("*.launch.*"))}
         # What `ros2 run` and launch files start: scripts that call course_kit.
         share |= {str(p): f"lib/{name}/{p.name}" for p in sorted((source / "lib").glob("*"))}
         listing = "".join(f"{p.relative_to(source)}\n" for p in files)

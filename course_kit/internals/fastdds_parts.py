@@ -6,6 +6,8 @@ Fast DDS that each use tries on an id of its own process.
 
 from __future__ import annotations
 
+import contextlib
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +21,7 @@ VENDOR = b"\x01\x0f"  # with which its ids begin
 # How RTPS computes the ports of a domain's participants: 2 for each, for discovery and for data.
 PORT_BASE, DOMAIN_GAIN, PARTICIPANT_GAIN = 7400, 250, 2
 DISCOVERY_OFFSET, DATA_OFFSET = 10, 11
-UDP = Path("/proc/net/udp")
+PROCESSES, UDP = Path("/proc"), Path("/proc/net/udp")
 LOOKS = 10  # at it, of which two in succession have to be equal
 
 
@@ -29,17 +31,35 @@ def participant_ports(domain: int) -> range:
     return range(first + DISCOVERY_OFFSET, first + DOMAIN_GAIN)
 
 
-def participants_listening(domain: int, read: Callable[[], str] = UDP.read_text) -> int | None:
-    """How many participants of a domain have their ports open; None where the kernel does not tell.
+def participants_listening(domain: int, read: Callable[[], str] = UDP.read_text) -> dict[int, str] | None:
+    """The ports on which the participants of a domain hear of others, each with the number of its socket.
 
-    `read` gives the text of /proc/net/udp.
+    None where the kernel does not tell; `read` gives the text of /proc/net/udp.
     """
     try:
-        ports = {int(address.rsplit(":", 1)[1], 16) for address, _ in _open_sockets(read)}
+        ports = {int(address.rsplit(":", 1)[1], 16): inode for address, inode in _open_sockets(read)}
     except (OSError, ValueError, IndexError):
         return None
     gap = DATA_OFFSET - DISCOVERY_OFFSET
-    return sum(port in ports and port + gap in ports for port in participant_ports(domain)[::PARTICIPANT_GAIN])
+    candidates = participant_ports(domain)[::PARTICIPANT_GAIN]
+    return {port: ports[port] for port in candidates if port in ports and port + gap in ports}
+
+
+def sockets_of(process: int | str) -> set[str]:
+    """The numbers of the sockets that a process has open; of a process that has ended, or is another user's, none."""
+    found = set()
+    with contextlib.suppress(OSError):
+        for descriptor in Path(PROCESSES, str(process), "fd").iterdir():
+            with contextlib.suppress(OSError):  # it was closed
+                found.add(os.readlink(descriptor).removeprefix("socket:[").removesuffix("]"))
+    return found
+
+
+def processes_listening(domain: int) -> set[int]:
+    """The ids of the processes that have a participant of the domain, of those that this user may look into."""
+    sockets = set((participants_listening(domain) or {}).values())
+    pids = [entry.name for entry in PROCESSES.iterdir() if entry.name.isdigit()] if sockets else []
+    return {int(pid) for pid in pids if sockets & sockets_of(pid)}
 
 
 def _open_sockets(read: Callable[[], str]) -> set[tuple[str, str]]:

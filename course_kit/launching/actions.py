@@ -30,13 +30,13 @@ class DeclareLaunchArgument(Action):
         self.default_value = None if default_value is None else normalize(default_value)
         self.choices = None if choices is None else list(choices)
         self.description = _description(description, self.choices)
-        self._conditionally_included = False
+        self._conditionally_included = self._is_given_by_an_include = False
         if self.choices is None:
             return
         if not self.choices:
-            self._refuse("Provided choices arg is empty. Use None to ignore the choice list.")
+            self._refuse("there is nothing to choose from: leave `choices` out if every value may be given")
         if isinstance(default_value, str) and default_value not in self.choices:
-            self._refuse(f'Provided default_value "{default_value}" is not in provided choices "{self.choices}".')
+            self._refuse(f'"{default_value}", which is to be the default value, is none of the choices {self.choices}')
 
     @staticmethod
     def _refuse(message: str) -> None:
@@ -48,16 +48,12 @@ class DeclareLaunchArgument(Action):
         values = context.launch_configurations
         if self.name not in values:
             if self.default_value is None:
-                output.get_logger("launch.actions.declare_launch_argument").error(
-                    f'Required launch argument "{self.name}" (description: "{self.description}") was not provided'
-                )
-                raise RuntimeError(f'Required launch argument "{self.name}" was not provided.')
+                logger = output.get_logger("launch.actions.declare_launch_argument")
+                logger.error(f"{self.name} ({self.description}) has no value")
+                raise RuntimeError(f"the launch file needs a value: give it {self.name}:=...")
             values[self.name] = perform(context, self.default_value)
         if self.choices is not None and values[self.name] not in self.choices:
-            self._refuse(
-                f'Argument "{self.name}" provided value "{values[self.name]}" is not valid. '
-                f"Valid options are: {self.choices}"
-            )
+            self._refuse(f"{self.name}:={values[self.name]} is none of the choices {self.choices}")
 
 
 def _description(given: str | None, choices: list[str] | None) -> str:
@@ -184,7 +180,7 @@ class GroupAction(Action):
         if self.scoped:
             context.push_scope()
             if not self.forwarding:
-                context.launch_configurations.clear()
+                context.forget_values()
         context.launch_configurations.update(values)
         return [*self.actions, OpaqueFunction(function=LaunchContext.pop_scope)] if self.scoped else self.actions
 
@@ -202,7 +198,7 @@ class OpaqueFunction(Action):
     ) -> None:
         super().__init__(**options)
         if not callable(function):
-            raise TypeError(f"OpaqueFunction expected 'function' to be callable, got '{type(function)}'")
+            raise TypeError(f"OpaqueFunction calls a function, which {function!r} is not")
         self._function = function
         self._args = list(args or ())
         self._kwargs = dict(kwargs or {})

@@ -45,8 +45,7 @@ class IfCondition(Condition):
             return as_bool(text)
         except ValueError:
             raise InvalidConditionExpressionError(
-                f"invalid condition expression, expected one of 'true', '1', 'false', or '0', but got '{text}' from "
-                f"'{described(self._expression)}'"
+                f"a condition is true, 1, false or 0, and not '{text}', as it comes of '{described(self._expression)}'"
             ) from None
 
 
@@ -129,3 +128,46 @@ class NotEqualsSubstitution(EqualsSubstitution):
 
     def _holds(self, left: str, right: str) -> bool:
         return not super()._holds(left, right)
+
+
+class _Many(Composed):
+    _combine = staticmethod(all)
+
+    def __init__(self, *truths: SomeSubstitutions) -> None:
+        self.truths = [normalize(truth) for truth in truths]
+        super().__init__()
+
+    def describe(self) -> str:
+        """The truths."""
+        return f"{type(self).__name__}({described(self.truths, ' ')})"
+
+    def _text(self, context: LaunchContext) -> str:
+        return str(self._combine([as_bool(perform(context, truth)) for truth in self.truths])).lower()
+
+
+class AllSubstitution(_Many):
+    """'true' if all are."""
+
+
+class AnySubstitution(_Many):
+    """'true' if one of them is."""
+
+    _combine = staticmethod(any)
+
+
+class IfElseSubstitution(Composed):
+    """One text or another."""
+
+    def __init__(
+        self, condition: SomeSubstitutions, if_value: SomeSubstitutions = "", else_value: SomeSubstitutions = ""
+    ) -> None:
+        super().__init__(condition=condition)
+        self.if_value, self.else_value = normalize(if_value), normalize(else_value)
+
+    def describe(self) -> str:
+        """The condition and both texts."""
+        texts = ", ".join(map(described, (self._texts["condition"], self.if_value, self.else_value)))
+        return f"IfElseSubstitution({texts})"
+
+    def _text(self, context: LaunchContext, condition: str) -> str:
+        return perform(context, self.if_value if as_bool(condition) else self.else_value)

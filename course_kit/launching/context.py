@@ -10,6 +10,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rclpy.node import Node as RosNode
+
     from course_kit.launching.events import Event
     from course_kit.launching.handlers import EventHandler
     from course_kit.launching.substitutions import Substitution
@@ -37,9 +39,11 @@ class LaunchContext:
         self.handlers: deque[EventHandler] = deque()
         self.node_names: Counter[str] = Counter()
         self.temporary_files: list[str] = []
+        self.ros_node: RosNode | None = None  # of this launch, if something needs it
         self.token = ""  # marks the processes of this launch
         self.group_interrupted = False  # a Ctrl-C reached every process by itself
         self.environment = os.environ  # of processes; a launch file may change it
+        self._first_environment = dict(os.environ)
         self.local_values: dict[str, Any] = {}  # as long as an event is handled
         self._scopes: list[tuple[dict[str, Any], dict[str, str]]] = []
 
@@ -63,9 +67,12 @@ class LaunchContext:
     def pop_scope(self) -> None:
         """Set launch configurations and environment back to what they were."""
         self.launch_configurations, environment = self._scopes.pop()
-        if environment != dict(os.environ):
-            os.environ.clear()
-            os.environ.update(environment)
+        _set_environment(environment)
+
+    def forget_values(self) -> None:
+        """Set launch configurations and environment back to what they were when the launch began."""
+        self.launch_configurations.clear()
+        _set_environment(self._first_environment)
 
     def perform_substitution(self, substitution: Substitution) -> str:
         """The text of a substitution."""
@@ -101,3 +108,9 @@ class LaunchContext:
     async def emit_event(self, event: Event) -> None:
         """The same, for coroutines."""
         self.emit_event_sync(event)
+
+
+def _set_environment(environment: dict[str, str]) -> None:
+    if environment != dict(os.environ):
+        os.environ.clear()
+        os.environ.update(environment)

@@ -6,29 +6,40 @@ from collections.abc import Iterable
 from typing import Any
 
 from course_kit.launching.actions import DeclareLaunchArgument, LogInfo
+from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import Action, LaunchDescription
 from course_kit.launching.event_actions import EmitEvent, RegisterEventHandler
 from course_kit.launching.process import ExecuteProcess
-from course_kit.launching.substitutions import described
+from course_kit.launching.substitutions import described, perform
 
 
 def arguments_of(description: LaunchDescription) -> list[DeclareLaunchArgument]:
     """The arguments that a launch description declares, itself or in what it includes; each name once."""
     found: dict[str, DeclareLaunchArgument] = {}
 
-    def look(entities: Iterable[Any], is_conditional: bool) -> None:
+    def look(entities: Iterable[Any], is_conditional: bool, given: frozenset[str]) -> None:
         for entity in entities:
             if isinstance(entity, DeclareLaunchArgument):
                 if entity.name not in found:
                     entity._conditionally_included = is_conditional or entity.condition is not None
+                    entity._is_given_by_an_include = entity.name in given
                     found[entity.name] = entity
                 continue
-            look(entity.describe_sub_entities() or (), is_conditional)
+            names = given | {_name_of(argument) for argument in getattr(entity, "launch_arguments", ())}
+            look(entity.describe_sub_entities() or (), is_conditional, names)
             for _, others in entity.describe_conditional_sub_entities():
-                look(others, True)
+                look(others, True, names)
 
-    look(description.entities, False)
+    look(description.entities, False, frozenset())
     return list(found.values())
+
+
+def _name_of(argument: tuple[Any, Any]) -> str:
+    """The name of an argument that an include gives; empty if only the running launch knows it."""
+    try:
+        return perform(LaunchContext(), argument[0])
+    except Exception:
+        return ""
 
 
 def arguments_text(description: LaunchDescription) -> str:

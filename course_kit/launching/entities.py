@@ -94,7 +94,7 @@ class LaunchDescription(LaunchDescriptionEntity):
         """Warn if it is deprecated; visit its entities."""
         if self.deprecated_reason is not None:
             path = context.get_locals_as_dict().get("current_launch_file_path")
-            what = f"launch file [{path}] is deprecated" if path else "deprecated launch description"
+            what = f"{path or 'a launch description'} is out of date"
             output.get_logger().warning(f"{what}: {self.deprecated_reason}")
         return self.entities
 

@@ -19,7 +19,7 @@ class EmitEvent(Action):
     def __init__(self, *, event: events.Event, **options: Any) -> None:
         super().__init__(**options)
         if not isinstance(event, events.Event):
-            raise RuntimeError(f"EmitEvent() expected an event instance, got '{type(event)}' instead.")
+            raise RuntimeError(f"EmitEvent emits an event, which {event!r} is not")
         self.event = event
 
     def execute(self, context: LaunchContext) -> None:
@@ -30,9 +30,7 @@ class EmitEvent(Action):
 class Shutdown(EmitEvent):
     """Ends the launch."""
 
-    __module__ = "launch.actions.shutdown_action"
-
-    def __init__(self, *, reason: str = "reason not given", **options: Any) -> None:
+    def __init__(self, *, reason: str = "no reason is known", **options: Any) -> None:
         super().__init__(event=events.Shutdown(reason=reason, due_to_sigint=False), **options)
 
     def execute(self, context: LaunchContext) -> None:

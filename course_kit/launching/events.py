@@ -35,7 +35,7 @@ class IncludeLaunchDescription(Event):
 class Shutdown(Event):
     """The launch is to end."""
 
-    reason: str = "reason not given"
+    reason: str = "no reason is known"
     due_to_sigint: bool = False
 
 

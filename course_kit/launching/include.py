@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import runpy
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from course_kit.launching.actions import OpaqueFunction, SetLaunchConfiguration
@@ -39,7 +40,7 @@ def load_python_launch_file(path: str) -> LaunchDescription:
         raise
     if FUNCTION not in names:
         raise InvalidPythonLaunchFileError(
-            f"launch file at '{path}' does not contain the required function '{FUNCTION}()'"
+            f"the launch file '{path}' has no function {FUNCTION}(), which makes its LaunchDescription"
         )
     description = names[FUNCTION]()
     if not isinstance(description, LaunchDescription):
@@ -50,21 +51,42 @@ def load_python_launch_file(path: str) -> LaunchDescription:
 
 
 def load_launch_file(path: str) -> LaunchDescription:
-    """The description of a launch file of any format. InvalidLaunchFileError, or NotCoveredError for XML and YAML."""
+    """The description of a launch file of any format. InvalidLaunchFileError, NotCoveredError for what is not."""
     extension = os.path.splitext(path)[1][1:]
-    if extension in ("xml", "yaml", "yml", "launch") and os.path.isfile(path):
-        raise not_covered(f"the launch file '{path}': of the formats XML, YAML and Python only Python")
+    kind = _format(path, extension)
     try:
-        return load_python_launch_file(path)
+        return load_python_launch_file(path) if kind == "py" else _load_tags(path, kind)
     except NotCoveredError:
         raise
     except Exception as error:
+        if kind != "py":
+            reason = " ".join(f"{error}".split())
+            message = f"Caught exception when trying to load file of format [{kind}]: '{path}': {reason}"
+            raise InvalidLaunchFileError(message) from error
         if extension != "py":
             raise InvalidLaunchFileError(_SYNTAX) from error
         raise InvalidLaunchFileError(
             f"Caught multiple exceptions when trying to load file of format [py]:\n"
             f" - {type(error).__name__}: {error}\n - InvalidFrontendLaunchFileError: {_SYNTAX}"
         ) from error
+
+
+def _format(path: str, extension: str) -> str:
+    """The format of a launch file: by its name, or, with another name, by how it begins."""
+    known = {"py": "py", "xml": "xml", "yaml": "yaml", "yml": "yaml"}.get(extension)
+    if known or not os.path.isfile(path):
+        return known or "py"
+    with open(path, "rb") as file:
+        begin = file.read(1000).lstrip(b"\xef\xbb\xbf \t\r\n")
+    return "xml" if begin.startswith(b"<") else "yaml" if extension == "launch" else "py"
+
+
+def _load_tags(path: str, kind: str) -> LaunchDescription:
+    # Loaded here, because tags include launch files, too.
+    from course_kit.launching import tag_actions, tags
+
+    read = tags.xml_tag if kind == "xml" else tags.yaml_tag
+    return tag_actions.description_of(read(Path(path).read_bytes()))
 
 
 class LaunchDescriptionSource:
@@ -74,7 +96,7 @@ class LaunchDescriptionSource:
         self,
         launch_description: LaunchDescription | None = None,
         location: SomeSubstitutions = "<string>",
-        method: str = "unspecified mechanism from a script",
+        method: str = "a program",
     ) -> None:
         self._description = launch_description
         self._location = normalize(location)
@@ -103,9 +125,7 @@ class LaunchDescriptionSource:
 
     def load(self, path: str) -> LaunchDescription:
         """Load it from a file."""
-        raise RuntimeError(
-            "LaunchDescriptionSource.get_launch_description(): called without launch description being set"
-        )
+        raise RuntimeError("this LaunchDescriptionSource was made without a launch description")
 
 
 class PythonLaunchDescriptionSource(LaunchDescriptionSource):
@@ -118,7 +138,7 @@ class PythonLaunchDescriptionSource(LaunchDescriptionSource):
 
 
 class AnyLaunchDescriptionSource(LaunchDescriptionSource):
-    """A launch file of any format; only Python ones run here."""
+    """A launch file of any format."""
 
     load = staticmethod(load_launch_file)
 
@@ -158,7 +178,7 @@ class IncludeLaunchDescription(Action):
         names = [perform(context, name) for name, _ in self.launch_arguments]
         for argument in arguments_of(description):
             is_optional = argument._conditionally_included or argument.default_value is not None
-            if not is_optional and argument.name not in names:
+            if not is_optional and not argument._is_given_by_an_include and argument.name not in names:
                 raise RuntimeError(
                     f"Included launch description missing required argument '{argument.name}' "
                     f"(description: '{argument.description}'), given: [{', '.join(names)}]"

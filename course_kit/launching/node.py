@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import os
 import re
-import tempfile
 from collections.abc import Iterable
 from typing import Any
 
@@ -22,6 +21,7 @@ from course_kit.launching.substitutions import (
     normalize,
     perform,
 )
+from course_kit.launching.uncovered import not_covered
 
 NO_NAME = "<node_name_unspecified>"
 _VALID = {"node_name": r"[A-Za-z_][A-Za-z0-9_]*", "namespace": r"/|(?!.*__)(/[A-Za-z_][A-Za-z0-9_]*)+"}
@@ -53,9 +53,7 @@ class PushROSNamespace(TextAction):
         try:
             validate("namespace", namespace)
         except Exception:
-            raise SubstitutionFailure(
-                f"The resulting namespace is invalid: [previous_namespace='{before}', pushed_namespace='{pushed}']"
-            ) from None
+            raise SubstitutionFailure(f"'{pushed}', below the namespace '{before}', is no namespace") from None
         context.launch_configurations["ros_namespace"] = namespace
 
 
@@ -67,9 +65,26 @@ class SetParameter(TextAction):
         self.value = value
 
     def _act(self, context: LaunchContext, name: str) -> None:
-        before = context.launch_configurations.get("global_params", {})
-        given = {name: parameters.evaluated(context, self.value)}
-        context.launch_configurations["global_params"] = {**before, **given}
+        before = context.launch_configurations.get("global_params", ())
+        given = (name, parameters.evaluated(context, self.value))
+        context.launch_configurations["global_params"] = [*before, given]
+
+
+class SetParametersFromFile(TextAction):
+    """Gives all nodes after it the parameters of a file, to the end of the group."""
+
+    def __init__(
+        self, filename: SomeSubstitutions, *, node_name: SomeSubstitutions | None = None, **options: Any
+    ) -> None:
+        if node_name is not None:
+            raise not_covered("SetParametersFromFile(node_name=...)")
+        super().__init__({"filename": filename}, **options)
+
+    def _act(self, context: LaunchContext, path: str) -> None:
+        if not os.path.isfile(path):
+            raise SubstitutionFailure(f"SetParametersFromFile: there is no file '{path}'")
+        before = context.launch_configurations.get("global_params", ())
+        context.launch_configurations["global_params"] = [*before, os.path.abspath(path)]
 
 
 class SetRemap(TextAction):
@@ -146,25 +161,23 @@ class Node(ExecuteProcess):
             if namespace is not None:
                 validate("namespace", namespace)
         except Exception:
-            output.get_logger("launch_ros.actions.node").error(
-                f"Error while expanding or validating node name or namespace for '{self._given}':"
-            )
+            output.get_logger("launch_ros.actions.node").error(f"the node '{self._given}' cannot be called so:")
             raise
         return name, namespace
 
     def _parameter_words(self, context: LaunchContext, node: str) -> list[str]:
         words: list[str] = []
-        for name, value in context.launch_configurations.get("global_params", {}).items():
-            words += ["-p", f"{name}:={parameters.yaml_text(value, in_one_line=True).strip()}"]
+        for given in context.launch_configurations.get("global_params", ()):
+            if isinstance(given, str):
+                words += ["--params-file", given]
+            else:
+                words += ["-p", f"{given[0]}:={parameters.yaml_text(given[1], in_one_line=True).strip()}"]
         for given in self._parameters:
             if isinstance(given, parameters.ParameterFile):
                 path = given.evaluate(context)
             else:
                 values = {node: {"ros__parameters": parameters.flat(context, given)}}
-                with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False, encoding="utf-8") as file:
-                    file.write(parameters.yaml_text(values, in_one_line=False))
-                path = file.name
-                context.temporary_files.append(path)
+                path = parameters.temporary_file(context, parameters.yaml_text(values, in_one_line=False))
             if os.path.isfile(path):
                 words += ["--params-file", path]
             else:

@@ -124,15 +124,15 @@ def destinations_of(config: str | Mapping[str, str | Iterable[str]]) -> dict[str
     """Where the lines of a process go by what its `output` says: source -> destinations. ValueError if it is wrong."""
     if isinstance(config, str):
         if config not in WORDS:
-            raise ValueError(f'{config} is not a valid standard output config i.e. "screen", "log" or "both"')
+            raise ValueError(f"output is screen, log, both, own_log or full, not {config}")
         return WORDS[config]
     if not isinstance(config, Mapping):
-        raise ValueError(f"{config} is not a valid output configuration")
+        raise ValueError(f"output is a word, or a dictionary of them by stream, not {config!r}")
     found: dict[str, set[str]] = {}
     for source, wanted in config.items():
         if source not in ("stdout", "stderr", "both"):
-            raise ValueError(f'{source} is not a valid output source i.e. "stdout", "stderr" or "both"')
+            raise ValueError(f"a stream is stdout, stderr or both, not {source}")
         found[source] = {wanted} if isinstance(wanted, str) else set(wanted)
         for destination in found[source] - DESTINATIONS:
-            raise ValueError(f'{destination} is not a valid output destination i.e. "screen", "log" or "own_log"')
+            raise ValueError(f"a stream goes to screen, log or own_log, not {destination}")
     return found

@@ -50,10 +50,8 @@ class ExecutableInPackage(Composed):
         prefix = packages.package_prefix(package)
         folder = os.path.join(prefix, "lib", package)
         if not os.path.exists(folder):
-            raise SubstitutionFailure(
-                f"package '{package}' found at '{prefix}', but libexec directory '{folder}' does not exist"
-            )
+            raise SubstitutionFailure(f"the package '{package}' has no executables: there is no folder '{folder}'")
         path = shutil.which(executable, path=folder)
         if path is None:
-            raise SubstitutionFailure(f"executable '{executable}' not found on the libexec directory '{folder}' ")
+            raise SubstitutionFailure(f"no executable '{executable}' is in '{folder}'")
         return path

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import typing
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from course_kit.launching.context import LaunchContext
-from course_kit.launching.substitutions import SomeSubstitutions, Substitution, is_substitution, normalize, perform
-from course_kit.launching.uncovered import not_covered
+from course_kit.launching.substitution_texts import parsed
+from course_kit.launching.substitutions import (
+    SomeSubstitutions,
+    Substitution,
+    as_bool,
+    as_text,
+    is_substitution,
+    normalize,
+    perform,
+)
 
 SCALARS = (bool, int, float, str)
-_UNIFORM = (
-    "Expected a non-empty sequence, with items of uniform type. Allowed sequence item types are bool, int, float, str."
-)
+_UNIFORM = "the items of a parameter are of one type, bool, int, float or str, and there is one at least"
 _ALLOWED = (
-    "Allowed value types are bytes, bool, int, float, str, Sequence[bool], Sequence[int], Sequence[float], "
-    "Sequence[str]. Got {}.If the parameter is meant to be a string, try wrapping it in "
-    "launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
+    "a parameter is of bytes, bool, int, float or str, or a sequence of one of the last four, and not {}. "
+    "A text that looks like something else is given as ParameterValue(text, value_type=str)"
 )
 
 
@@ -43,19 +50,30 @@ class ParameterFile:
     """A YAML file of parameters."""
 
     def __init__(self, param_file: SomeSubstitutions, *, allow_substs: Any = False) -> None:
-        if allow_substs:
-            raise not_covered("ParameterFile(allow_substs=...)")
         self.param_file = normalize(param_file)
+        self.allow_substs = allow_substs
 
     def evaluate(self, context: LaunchContext) -> str:
-        """The path."""
-        return perform(context, self.param_file)
+        """The path: if the file may have substitutions in it, that of a copy with what they become."""
+        path = perform(context, self.param_file)
+        if not as_bool(perform(context, as_text(self.allow_substs))):
+            return path
+        return temporary_file(context, perform(context, parsed(Path(path).read_text(encoding="utf-8"))))
+
+
+def temporary_file(context: LaunchContext, text: str) -> str:
+    """The path of a new file of parameters, which is there until the launch is over."""
+    with tempfile.NamedTemporaryFile("w", prefix="launch_params_", delete=False, encoding="utf-8") as file:
+        file.write(text)
+    context.temporary_files.append(file.name)
+    return file.name
 
 
 def _from_yaml(text: str) -> Any:
     import yaml  # type: ignore[import-untyped]
 
-    return yaml.safe_load(text)
+    value = yaml.safe_load(text)
+    return "" if value is None else value  # an argument that is empty stands for an empty text
 
 
 def _typed(value: Any, wanted: Any) -> Any:
@@ -70,18 +88,26 @@ def _typed(value: Any, wanted: Any) -> Any:
         return value
     elif wanted is str:
         return str(value)
-    raise ValueError(f"Cannot convert value '{value}' to a value of type '{getattr(wanted, '__name__', wanted)}'")
+    raise ValueError(f"'{value}' is no {getattr(wanted, '__name__', wanted)}")
 
 
 def flat(context: LaunchContext, parameters: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:
     """Parameters by their full names: those of nested dictionaries joined by dots."""
+    import yaml
+
     found: dict[str, Any] = {}
     for name, value in parameters.items():
         full = prefix + perform(context, name)
         if isinstance(value, Mapping):
             found |= flat(context, value, f"{full}.")
         else:
-            found[full] = evaluated(context, value)
+            try:
+                found[full] = evaluated(context, value)
+            except yaml.YAMLError:
+                raise TypeError(
+                    f"The value of parameter {full} is no YAML: if it is meant to be a text, give it as "
+                    "launch_ros.parameter_descriptions.ParameterValue(value, value_type=str)"
+                ) from None
     return found
 
 
@@ -97,7 +123,7 @@ def evaluated(context: LaunchContext, value: Any) -> Any:
         return os.fspath(value)
     if isinstance(value, Sequence):
         return _sequence(context, value)
-    raise TypeError(f"Unexpected type for parameter value {value!r}")
+    raise TypeError(f"{value!r} cannot be a parameter")
 
 
 def _sequence(context: LaunchContext, value: Sequence[Any]) -> Any:

@@ -98,7 +98,7 @@ class ExecuteProcess(Action):
 
     def _from_cache(self, source: str) -> str:
         if self._cached is None:
-            raise RuntimeError(f"cached output must be true to be able to get {source}, proc '{self.name}'")
+            raise RuntimeError(f"{source} of '{self.name}' was not kept: that takes cached_output=True")
         return "".join(self._cached[source])
 
     def get_sub_entities(self) -> Entities:
@@ -112,7 +112,9 @@ class ExecuteProcess(Action):
     def execute(self, context: LaunchContext) -> None:
         """Start it, and handle the events that are about it."""
         if self._task is not None:
-            raise RuntimeError(f"ExecuteLocal action '{self.name}': executed more than once: {self.describe()}")
+            raise RuntimeError(
+                f"one action starts one process, and '{self.name}' was started before: {self.describe()}"
+            )
         self._prepare(context)
         if context.is_shutdown:
             return
@@ -245,7 +247,7 @@ class ExecuteProcess(Action):
         if not event.process_matcher(self):
             return []
         if self._child is None:
-            raise RuntimeError("Signal event received before subprocess transport available.")
+            raise RuntimeError("there is no process yet that a signal could be sent to")
         if self._child.ended.done():
             return []
         self._logger.info(f"sending signal '{event.signal_name}' to process[{self.name}]")

@@ -80,7 +80,8 @@ class LaunchService:
                     for entity in handler.handle(event, self.context):
                         self._futures += visit_all(entity, self.context)
         except Exception as error:
-            message = f"Caught exception in launch (see debug for traceback): {error}"
+            hint = ": does a launch file include itself?" if isinstance(error, RecursionError) else ""
+            message = f"Caught exception in launch (see debug for traceback): {error}{hint}"
             self._logger.debug(traceback.format_exc())
             self._logger.error(message)
             self._status = 1

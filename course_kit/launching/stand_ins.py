@@ -28,7 +28,6 @@ COVERED: dict[str, dict[str, str]] = {
         "service": "LaunchService",
         "substitutions": "SomeSubstitutionsType=SomeSubstitutions Substitution",
     },
-    "launch.action": {"entities": "Action"},
     "launch.actions": {
         "actions": "AppendEnvironmentVariable DeclareLaunchArgument GroupAction LogInfo OpaqueFunction "
         "SetEnvironmentVariable SetLaunchConfiguration UnsetEnvironmentVariable UnsetLaunchConfiguration",
@@ -40,7 +39,6 @@ COVERED: dict[str, dict[str, str]] = {
         "conditions": "IfCondition InvalidConditionExpressionError LaunchConfigurationEquals "
         "LaunchConfigurationNotEquals UnlessCondition"
     },
-    "launch.event_handler": {"handlers": "EventHandler"},
     "launch.event_handlers": {"handlers": "OnExecutionComplete OnProcessExit OnProcessIO OnProcessStart OnShutdown"},
     "launch.events": {"events": "ExecutionComplete IncludeLaunchDescription Shutdown TimerEvent matches_action"},
     "launch.events.matchers": {"events": "matches_action"},
@@ -48,46 +46,74 @@ COVERED: dict[str, dict[str, str]] = {
         "events": "ProcessExited ProcessIO ProcessStarted ProcessStderr ProcessStdout RunningProcessEvent "
         "ShutdownProcess SignalProcess matches_executable matches_name matches_pid"
     },
-    "launch.launch_context": {"context": "LaunchContext"},
-    "launch.launch_description": {"entities": "LaunchDescription"},
-    "launch.launch_description_sources": {"include": "AnyLaunchDescriptionSource PythonLaunchDescriptionSource"},
+    "launch.launch_description_sources": {
+        "include": "AnyLaunchDescriptionSource FrontendLaunchDescriptionSource=AnyLaunchDescriptionSource "
+        "PythonLaunchDescriptionSource"
+    },
     "launch.logging": {"output": "get_logger"},
     "launch.some_substitutions_type": {"substitutions": "SomeSubstitutionsType=SomeSubstitutions"},
-    "launch.substitution": {"substitutions": "Substitution"},
     "launch.substitutions": {
-        "conditions": "AndSubstitution EqualsSubstitution NotEqualsSubstitution NotSubstitution OrSubstitution",
-        "substitutions": "Command EnvironmentVariable FindExecutable LaunchConfiguration LocalSubstitution "
-        "PathJoinSubstitution PythonExpression SubstitutionFailure TextSubstitution ThisLaunchFile ThisLaunchFileDir",
+        "conditions": "AllSubstitution AndSubstitution AnySubstitution EqualsSubstitution IfElseSubstitution "
+        "NotEqualsSubstitution NotSubstitution OrSubstitution",
+        "machine_substitutions": "AnonName Command FileContent FindExecutable LaunchLogDir",
+        "substitutions": "EnvironmentVariable LaunchConfiguration LocalSubstitution PathJoinSubstitution "
+        "PythonExpression SubstitutionFailure TextSubstitution ThisLaunchFile ThisLaunchFileDir",
     },
     "launch.utilities": {"substitutions": "normalize_to_list_of_substitutions=normalize perform_substitutions=perform"},
     "launch_ros": {},
-    "launch_ros.actions": {"node": "Node PushROSNamespace PushRosNamespace=PushROSNamespace SetParameter SetRemap"},
+    "launch_ros.actions": {
+        "lifecycle": "LifecycleNode",
+        "node": "Node PushROSNamespace PushRosNamespace=PushROSNamespace SetParameter SetParametersFromFile SetRemap",
+    },
     "launch_ros.descriptions": {"parameters": "ParameterFile ParameterValue"},
+    "launch_ros.event_handlers": {"lifecycle": "OnStateTransition"},
+    "launch_ros.events": {},
+    "launch_ros.events.lifecycle": {"lifecycle": "ChangeState StateTransition"},
     "launch_ros.parameter_descriptions": {"parameters": "ParameterFile ParameterValue"},
     "launch_ros.substitutions": {
         "package_substitutions": "ExecutableInPackage FindPackage FindPackagePrefix FindPackageShare"
     },
+    "launch_xml": {},
+    "launch_xml.launch_description_sources": {"include": "XMLLaunchDescriptionSource=AnyLaunchDescriptionSource"},
+    "launch_yaml": {},
+    "launch_yaml.launch_description_sources": {"include": "YAMLLaunchDescriptionSource=AnyLaunchDescriptionSource"},
+}
+
+
+# The module of its own that a class has in the package, where that is not called after the class.
+OWN_MODULES = {
+    **dict.fromkeys(("All", "And", "Any", "Not", "Or"), "boolean_substitution"),
+    "FindPackagePrefix": "find_package",
+    "FindPackageShare": "find_package",
+    "launch.actions.Shutdown": "shutdown_action",
 }
 
 
 def install() -> None:
     """Have `import launch` and `import launch_ros` find these modules from now on, in this process."""
+    modules: dict[str, dict[str, Any]] = {name: {} for name in COVERED}
     for module_name, places in COVERED.items():
-        known: dict[str, Any] = {}
         for place, names in places.items():
             origin = importlib.import_module(f"course_kit.launching.{place}")
-            pairs = (name.partition("=") for name in names.split())
-            known |= {theirs: getattr(origin, ours or theirs) for theirs, _, ours in pairs}
-        for thing in known.values():
-            if isinstance(thing, type) and thing.__module__.startswith("course_kit"):
-                # Where the real one is, for --print and messages.
-                own_module = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", thing.__name__).lower()
-                thing.__module__ = f"{module_name}.{own_module}"
-        module = sys.modules[module_name] = ModuleType(module_name)
-        vars(module).update(known, __all__=list(known), __getattr__=partial(_refuse, module_name, list(known)))
-        package, _, own_name = module_name.rpartition(".")
+            for theirs, _, ours in (name.partition("=") for name in names.split()):
+                thing = modules[module_name][theirs] = getattr(origin, ours or theirs)
+                if isinstance(thing, type):
+                    own_name = _own_module(module_name, theirs)
+                    modules.setdefault(own_name, {})[theirs] = thing
+                    if thing.__module__.startswith("course_kit") and thing.__name__ == theirs:
+                        thing.__module__ = own_name  # for --print and messages
+    for name, known in modules.items():
+        module = sys.modules[name] = ModuleType(name)
+        vars(module).update(known, __all__=list(known), __path__=[], __getattr__=partial(_refuse, name, list(known)))
+        package, _, last_name = name.rpartition(".")
         if package:
-            setattr(sys.modules[package], own_name, module)
+            setattr(sys.modules[package], last_name, module)
+
+
+def _own_module(module_name: str, class_name: str) -> str:
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", class_name).lower()
+    special = OWN_MODULES.get(class_name.removesuffix("Substitution")) or OWN_MODULES.get(f"{module_name}.{class_name}")
+    return f"{module_name}.{special or words}"
 
 
 def _refuse(module_name: str, known: Iterable[str], name: str) -> NoReturn:

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import importlib
 import os
-import shlex
-import shutil
-import subprocess
 from collections.abc import Iterable
 from typing import Any, Union
 
-from course_kit.launching import output
 from course_kit.launching.context import LaunchContext
 
 # What a launch file may give wherever a text is wanted.
@@ -41,9 +37,7 @@ def normalize(value: SomeSubstitutions) -> list[Substitution]:
         return [TextSubstitution(text=os.fspath(value))]
     if isinstance(value, Iterable):
         return [part for item in value for part in normalize(item)]
-    raise TypeError(
-        f"Failed to normalize given item of type '{type(value)}', when only text and substitutions were expected."
-    )
+    raise TypeError(f"here stand text and substitutions, and {value!r} is neither")
 
 
 def perform(context: LaunchContext, value: SomeSubstitutions) -> str:
@@ -72,7 +66,7 @@ def as_bool(text: str) -> bool:
     """The truth of a text, as conditions read it. ValueError for one that says neither."""
     truth = {"true": True, "1": True, "false": False, "0": False}.get(text.strip().lower())
     if truth is None:
-        raise ValueError(f"Expected 'true', 'false', '1' or '0', got '{text}'")
+        raise ValueError(f"'{text}' is none of true, false, 1 and 0")
     return truth
 
 
@@ -103,7 +97,7 @@ class TextSubstitution(Substitution):
 
     def __init__(self, *, text: str) -> None:
         if not isinstance(text, str):
-            raise TypeError(f"TextSubstitution expected 'text' to be 'str', got '{type(text)}'")
+            raise TypeError(f"TextSubstitution stands for text, and {text!r} is none")
         self.text = text
 
     def describe(self) -> str:
@@ -128,7 +122,7 @@ class LaunchConfiguration(Composed):
         if name in context.launch_configurations:
             return str(context.launch_configurations[name])
         if self.default is None:
-            raise SubstitutionFailure(f"launch configuration '{name}' does not exist")
+            raise SubstitutionFailure(f"nothing has set the launch configuration '{name}'")
         return perform(context, self.default)
 
 
@@ -145,7 +139,7 @@ class EnvironmentVariable(Composed):
         if name in context.environment:
             return context.environment[name]
         if self.default_value is None:
-            raise SubstitutionFailure(f"environment variable '{name}' does not exist")
+            raise SubstitutionFailure(f"the environment has no variable '{name}'")
         return perform(context, self.default_value)
 
 
@@ -173,7 +167,7 @@ class ThisLaunchFile(Composed):
     def _text(self, context: LaunchContext) -> str:
         values = context.get_locals_as_dict()
         if self._local not in values:
-            raise SubstitutionFailure("ThisLaunchFileDir used outside of a launch file (in a script)")
+            raise SubstitutionFailure("this program is no launch file, which has a path and a folder")
         return str(values[self._local])
 
 
@@ -218,45 +212,3 @@ class PythonExpression(Substitution):
                 names.update(vars(module))
             names[module.__name__] = module
         return str(eval(perform(context, self.expression), {}, names))
-
-
-class Command(Composed):
-    """What a command prints."""
-
-    shown = "Command({command})"
-
-    def __init__(self, command: SomeSubstitutions, *, on_stderr: SomeSubstitutions = "fail") -> None:
-        super().__init__(command=command, on_stderr=on_stderr)
-
-    def _text(self, context: LaunchContext, line: str, on_stderr: str) -> str:
-        if on_stderr not in ("fail", "ignore", "warn", "capture"):
-            raise SubstitutionFailure("expected 'on_stderr' to be one of: 'fail', 'ignore', 'warn' or 'capture'")
-        merged = subprocess.STDOUT if on_stderr == "capture" else subprocess.PIPE
-        try:
-            done = subprocess.run(shlex.split(line), stdout=subprocess.PIPE, stderr=merged, text=True)
-        except (FileNotFoundError, PermissionError) as error:
-            raise SubstitutionFailure(f"file not found: {error}") from None
-        if done.returncode != 0:
-            said = f"\nCaptured stderr output: {done.stderr}" if done.stderr else ""
-            raise SubstitutionFailure(f"executed command failed. Command: {line}{said}")
-        if done.stderr and on_stderr in ("fail", "warn"):
-            message = f"executed command showed stderr output. Command: {line}\nCaptured stderr output:\n{done.stderr}"
-            if on_stderr == "fail":
-                raise SubstitutionFailure(message)
-            output.get_logger("launch").warning(message)
-        return done.stdout
-
-
-class FindExecutable(Composed):
-    """The path of a program on PATH."""
-
-    shown = "FindExec({name})"
-
-    def __init__(self, *, name: SomeSubstitutions) -> None:
-        super().__init__(name=name)
-
-    def _text(self, context: LaunchContext, name: str) -> str:
-        path = shutil.which(name)
-        if path is None:
-            raise SubstitutionFailure(f"executable '{name}' not found on the PATH")
-        return path

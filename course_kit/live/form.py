@@ -12,12 +12,13 @@ import traitlets
 from anywidget import AnyWidget
 
 from course_kit.arguments import WAIT, takes
+from course_kit.forms.calling import GoalSender
 from course_kit.forms.command_line import command_line
 from course_kit.forms.fields import read
 from course_kit.forms.interface import Interface
 from course_kit.forms.lookup import find
 from course_kit.forms.program import program
-from course_kit.forms.sending import GoalSender, Publishing, sender
+from course_kit.forms.sending import Publishing, sender
 from course_kit.live.shown import Bundle
 from course_kit.live.view import View, as_text
 

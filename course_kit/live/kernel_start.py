@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from course_kit import internals, kernel
 from course_kit.background import guards
 from course_kit.internals.inspect_parts import know_cell
 from course_kit.live import console, described, node_text, process_console, progress_bar, tabs, tracebacks
+from course_kit.ros2 import magic
+
+if TYPE_CHECKING:
+    from course_kit.live.view import View
 
 
 def load_ipython_extension(shell: Any) -> None:
@@ -27,6 +32,14 @@ def load_ipython_extension(shell: Any) -> None:
     described.attach(shell)
     console.attach()
     process_console.attach()
+    magic.shown_in_background = _in_background
+
+
+def _in_background(words: Sequence[str], name: str) -> View:
+    """Show a command line of `ros2` in the background."""
+    from course_kit.live.background_verb import BackgroundVerb  # ipywidgets takes a tenth of a second
+
+    return BackgroundVerb(words, name)
 
 
 def _path(shell: Any, cell: Any) -> str:

@@ -21,8 +21,13 @@ class ProcessConsole(Console):
 
     def bundle(self) -> Bundle:
         """The last lines that it has printed."""
-        lines = [(f"  {line}", f"  {html.escape(line)}\n") for line in self.process.lines[-LAST_LINES:]]
-        return bundle(self.process.name, self.process.state, lines)
+        return console_of(self.process)
+
+
+def console_of(process: Process) -> Bundle:
+    """A process's state and its last lines."""
+    lines = [(f"  {line}", f"  {html.escape(line)}\n") for line in process.lines[-LAST_LINES:]]
+    return bundle(process.name, process.state, lines)
 
 
 _consoles: dict[str, ProcessConsole] = {}

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import base64
 import html
-import io
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from course_kit import html_tables, kernel
-from course_kit.figures import SCREEN_DPI, Plot
 from course_kit.live.life import Life, stop_all
 from course_kit.live.shown import Bundle, Shown
 from course_kit.text import stands_still, table
@@ -30,8 +27,7 @@ class View(Life):
     def _open(self, period: float, seconds: float = LONGEST, widget: Any = None) -> None:
         """Show it, in the place of the one of an earlier run of the cell, and begin to live."""
         self._deadline = time.monotonic() + seconds
-        self._cell, self._request = kernel.cell()
-        stop_all(self._replaces)
+        self._replace()
         self._kept, self._kept_at = self.still(), time.monotonic()
         self._shown = Shown(self.kind, self._kept, widget)
         self._begin(f"live {self.kind}", period)
@@ -51,6 +47,11 @@ class View(Life):
 
     def _close(self) -> None:
         """Close what it has used."""
+
+    def _replace(self) -> None:
+        """End the one of an earlier run of the cell."""
+        self._cell, self._request = kernel.cell()
+        stop_all(self._replaces)
 
     def _replaces(self, other: Life) -> bool:
         """Whether another is the same, from an earlier run of the cell."""
@@ -115,10 +116,3 @@ def as_tables(parts: Sequence[str | Sequence[Sequence[str]]], left: int = 1) -> 
         "text/plain": "\n\n".join(part if isinstance(part, str) else table(part, left) for part in parts),
         "text/html": f"<div class='course-kit-live'>{'<br>'.join(pages)}</div>",
     }
-
-
-def as_picture(figure: Plot) -> Bundle:
-    """A figure as a picture, drawn at the size at which it is shown: a sharper one takes three times as long."""
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png", dpi=SCREEN_DPI)
-    return {"image/png": base64.b64encode(picture.getvalue()).decode(), "text/plain": repr(figure)}

@@ -47,6 +47,17 @@ def start(
     """
     words = _words(command)
     name = name or " ".join(command.split() if isinstance(command, str) else words)
+    return begin(words, name, environment, folder, [on_start for on_start, _ in listeners])
+
+
+def begin(
+    words: Sequence[str],
+    name: str,
+    environment: Mapping[str, str] | None = None,
+    folder: Path | str | None = None,
+    on_start: Sequence[Listener] = (),
+) -> Process:
+    """The same with words as they are, and told to none but `on_start`."""
     with _lock:
         earlier = _processes.get(name)
     if earlier is not None:
@@ -57,8 +68,8 @@ def start(
         _processes[name] = process
         atexit.unregister(_end)
         atexit.register(_end)
-    for on_start, _ in list(listeners):
-        on_start(process)
+    for tell in on_start:
+        tell(process)
     process.add_done_callback(_tell)
     process.begin()
     return process

@@ -123,6 +123,11 @@ class ArrivalWindow:
         """How many messages came in all."""
         return self._count
 
+    def clear(self) -> None:
+        """Forget all that came."""
+        with self._lock:
+            self._count = 0
+
     def arrivals(self) -> tuple[Int64s, Int64s, int]:
         """Receive times and sizes of the last messages, oldest first, and how many came in all."""
         with self._lock:

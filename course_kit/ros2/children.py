@@ -6,6 +6,7 @@ import contextlib
 import os
 import signal
 import subprocess
+import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
@@ -21,6 +22,7 @@ from course_kit.ros2.verbs import failing
 
 Lines = SimpleQueue[Callable[[], None] | None]  # how to write each line; None at the end
 
+PROGRAM = (sys.executable, "-c", "from course_kit.ros2.command import main; main()")  # `ros2`, where it has no script
 END_TIMEOUT = 20.0  # seconds for a program to end once it was interrupted; a launch needs up to 10
 
 

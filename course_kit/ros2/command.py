@@ -7,23 +7,29 @@ import importlib
 import os
 import signal
 import sys
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Mapping, Sequence
 from types import FrameType
 from typing import NoReturn
 
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ending.signals import asking_to_end
+from course_kit.internals.import_parts import import_less
+from course_kit.kernel import in_kernel
 from course_kit.long_tasks import long_task
+from course_kit.ros2.examples import example
+from course_kit.ros2.refused import refusal
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import CommandError, Verb, cut, flag
+from course_kit.ros2.verbs import BACKGROUND, CommandError, Verb, background, cut, flag, was_interrupt
 
 COMMANDS = {
     "action": "send goals, and see who offers actions",
     "bag": "record topics into bags, look into them, play them",
+    "daemon": "for scripts that start one: none is needed here",
     "doctor": "check this machine, the packages and the graph",
     "interface": "show the types of messages, services and actions",
     "launch": "start what a launch file describes",
+    "lifecycle": "see and change the states of lifecycle nodes",
     "node": "list nodes, and what each is connected to",
     "param": "read and set the parameters of nodes",
     "pkg": "create packages, and find those that are there",
@@ -35,6 +41,7 @@ COMMANDS = {
 _MODULES = {"wtf": "doctor"}
 END_TIMEOUT = 3.0  # seconds for leaving the graph
 DESCRIPTION = "What runs on ROS 2 here: look at it, try it, start it."
+OF_A_NOTEBOOK = f"\nWith {BACKGROUND} at its end a command goes on in a view of its own, until stop()."
 
 
 class _Parser(ArgumentParser):
@@ -44,7 +51,8 @@ class _Parser(ArgumentParser):
 
 def parser_for(words: Sequence[str]) -> ArgumentParser:
     """The parser of a command line: complete for the command and the verb that it names, a line for each other."""
-    parser = _Parser(prog="ros2", description=DESCRIPTION, formatter_class=RawDescriptionHelpFormatter)
+    description = DESCRIPTION + (OF_A_NOTEBOOK if in_kernel() else "")
+    parser = _Parser(prog="ros2", description=description, formatter_class=RawDescriptionHelpFormatter)
     flag("--use-python-default-buffering", "do not write each line at once where the output is no terminal")(parser)
     named = [word for word in words if not word.startswith("-")]
     parsers = _subparsers(parser, COMMANDS, named)
@@ -60,15 +68,16 @@ def _fill(parser: ArgumentParser, command: str, *named: str) -> None:
     parser.set_defaults(named=parser)
     if hasattr(module, "add_arguments"):
         module.add_arguments(parser)
-    verb: Verb | None = getattr(module, "COMMAND", None)
-    if verb is None:
-        verbs: Mapping[str, Verb] = module.VERBS
-        parsers = _subparsers(parser, {name: one.summary for name, one in verbs.items()}, named)
-        if not named or named[0] not in verbs:
-            return
+    verbs: Mapping[str, Verb] = getattr(module, "VERBS", {})
+    verb: Verb | None = getattr(module, "COMMAND", None)  # what the command itself does, without a verb
+    parsers = _subparsers(parser, {name: one.summary for name, one in verbs.items()}, named) if verbs else {}
+    if named and named[0] in verbs:
         parser, verb = parsers[named[0]], verbs[named[0]]
-    verb.arguments(parser)
-    parser.set_defaults(verb=verb)
+    if verb is not None:
+        verb.arguments(parser)
+        parser.epilog = example(parser.prog.removeprefix("ros2 "))
+        background(parser)
+        parser.set_defaults(verb=verb)
 
 
 def _subparsers(
@@ -89,17 +98,31 @@ def _subparsers(
 
 def run(words: Sequence[str]) -> int:
     """Run a command line; return its exit status. A wrong one exits with usage on stderr (SystemExit 2)."""
+    return perform(parsed(words))
+
+
+def parsed(words: Sequence[str]) -> Namespace:
+    """A command line's arguments, its verb, None if it names none, and its words. SystemExit as above."""
     parser = parser_for(words)
     for word in words:
         if "\0" in word or any("\ud800" <= character <= "\udfff" for character in word):
             parser.error(f"{word!a} is no text of ROS, whose names and strings are UTF-8 without NUL")
-    args = parser.parse_args(words)
+    if text := refusal(words):
+        print(text, file=sys.stderr)
+        raise SystemExit(1)
+    return parser.parse_args(words)
+
+
+def perform(args: Namespace) -> int:
+    """Do what a command line says; return its exit status."""
     if args.verb is None:
         args.named.print_help()
         return 0
     session = Session(args)
     try:
-        with long_task(lambda: f"ros2 {' '.join(words)}", getattr(args, "duration", None)):
+        with long_task(lambda: f"ros2 {' '.join(args.words)}", getattr(args, "duration", None)):
+            if hasattr(args, "spin_time"):  # of all verbs that look at the graph
+                session.join()
             return args.verb.run(args, session) or 0
     except DurationOver:
         return 0
@@ -111,10 +134,15 @@ def run(words: Sequence[str]) -> int:
         if error.suggestion:
             session.warn(error.suggestion)
         return error.status
+    except Exception as error:
+        if was_interrupt(error):
+            return int(signal.SIGINT)
+        raise
 
 
 def main() -> NoReturn:
     """Entry point of the `ros2` program."""
+    import_less()
     if "_ARGCOMPLETE" in os.environ:
         importlib.import_module("course_kit.ros2.line_completion").answer_shell()
     words = sys.argv[1:]
@@ -125,6 +153,8 @@ def main() -> NoReturn:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # also in a shell's background, where it is ignored
     try:
         status = run(words)
+    except KeyboardInterrupt:  # before the verb began
+        status = int(signal.SIGINT)
     except BrokenPipeError:  # as in `ros2 topic echo ... | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         status = 1

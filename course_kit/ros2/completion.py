@@ -6,14 +6,28 @@ same ones.
 
 from __future__ import annotations
 
+import contextlib
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from course_kit.kernel import in_kernel
 from course_kit.programs import packages
 from course_kit.ros2.session import Session
+from course_kit.ros2.verbs import BACKGROUND
 
 KINDS = {"topic": "msg", "service": "srv", "action": "action"}  # what an interface of each is called in a package
+
+
+class _Silent(Session):
+    """Joins the graph, and says nothing beside the line that is typed."""
+
+    def __init__(self, args: Namespace) -> None:
+        super().__init__(args)
+        self.join()
+
+    def warn(self, text: str) -> None:
+        """Say nothing."""
 
 
 def offering(names: Callable[[Namespace], Iterable[str]]) -> Callable[..., list[str]]:
@@ -27,19 +41,19 @@ def offering(names: Callable[[Namespace], Iterable[str]]) -> Callable[..., list[
 
 def names_of(noun: str) -> Callable[..., list[str]]:
     """Offers the topics, services or actions of the graph."""
-    return offering(lambda args: Session(args).named(noun))
+    return offering(lambda args: _Silent(args).named(noun))
 
 
 def types_in_use(noun: str) -> Callable[..., list[str]]:
     """Offers the types that topics, services or actions of the graph have."""
-    return offering(lambda args: sorted({t for types in Session(args).named(noun, True).values() for t in types}))
+    return offering(lambda args: sorted({t for types in _Silent(args).named(noun, True).values() for t in types}))
 
 
 def type_of(noun: str) -> Callable[..., list[str]]:
     """Offers the type of what was named before; all types of its kind if nobody has it."""
 
     def types(args: Namespace) -> Sequence[str]:
-        return Session(args).named(noun, True).get(getattr(args, f"{noun}_name", "")) or installed_types(noun)
+        return _Silent(args).named(noun, True).get(getattr(args, f"{noun}_name", "")) or installed_types(noun)
 
     return offering(types)
 
@@ -56,7 +70,7 @@ def node_names(args: Namespace) -> list[str]:
     """Offers the nodes of the graph."""
     from course_kit.ros_graph import graph
 
-    return [name.full_name for name in graph.nodes(Session(args).graph())]
+    return [name.full_name for name in graph.nodes(_Silent(args).graph())]
 
 
 @offering
@@ -64,9 +78,28 @@ def parameter_names(args: Namespace) -> list[str]:
     """Offers the parameters of the node that was named before."""
     from course_kit.ros2.param.services import list_parameters
 
-    session = Session(args)
+    session = _Silent(args)
     session.graph()
     return list_parameters(session, args.node_name)
 
 
+def fields_of(kind: str, type_argument: str) -> Callable[..., list[str]]:
+    """Offers what may follow the YAML that is begun for the type named before; all of its fields if none is."""
+
+    def offer(prefix: str, parsed_args: Namespace, **_: Any) -> list[str]:
+        from course_kit.ros2.interface.field_completion import Fillable, continuations
+        from course_kit.ros2.interface.interface import definition
+
+        type_name = getattr(parsed_args, type_argument) or ""
+        with contextlib.suppress(Exception):  # rosidl_adapter has several for what it cannot read, such as IDL
+            message = Fillable(
+                type_name if type_name.count("/") > 1 else type_name.replace("/", f"/{kind}/"), definition
+            )
+            return continuations(message, prefix) if prefix else [message.prototype()]
+        return []
+
+    return offer
+
+
+of_background = offering(lambda args: [BACKGROUND] if in_kernel() else [])  # where all words are a program's
 package_names = offering(lambda args: packages.package_names())

@@ -6,7 +6,7 @@ from argparse import Namespace
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from course_kit.ros2.completion import installed_types, names_of, type_of, types_in_use
+from course_kit.ros2.completion import names_of, type_of, types_in_use
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import GRAPH, Arguments, CommandError, Verb, all_of, argument, did_you_mean, flag
 
@@ -63,19 +63,15 @@ class Named:
 
     def _type(self, args: Namespace, session: Session) -> int:
         """Print the types of a name; the exit status is 1 if there is none."""
-        types = session.named(self.noun, True).get(getattr(args, f"{self.noun}_name"), ())
+        types = session.named(self.noun).get(getattr(args, f"{self.noun}_name"), ())
         for name in types:
             session.print(name)
         return 0 if types else 1
 
     def _find(self, args: Namespace, session: Session) -> None:
-        """Print the names of a type, or how many there are; a suggestion for a type that is not installed."""
+        """Print the names of a type, or how many there are."""
         wanted = getattr(args, f"{self.noun}_type")
-        found = {name: types for name, types in session.named(self.noun).items() if wanted in types}
-        self._show(found, args, session)
-        installed = () if found else installed_types(self.noun)
-        if wanted not in installed and (suggestion := did_you_mean(wanted, installed)):
-            session.warn(suggestion)
+        self._show({name: types for name, types in session.named(self.noun).items() if wanted in types}, args, session)
 
     def type_line(self, name: str, named: NamesAndTypes) -> str:
         """What `info` begins with. CommandError if the name is not there."""

@@ -70,6 +70,14 @@ class Session:
         while not lines.empty():
             self.warn(lines.get())
 
+    def join(self) -> None:
+        """Join the graph: others tell of themselves while the rest is imported. Only to be quicker."""
+        if not self.in_notebook:
+            from course_kit.spinning import presence
+
+            with put_off():
+                presence.begin()
+
     @property
     def node(self) -> Node:
         """The node of this process that watches and calls; its name is hidden. Do not wait in its callbacks."""
@@ -101,7 +109,7 @@ class Session:
         node = self.node
         spin_time: float | None = getattr(self._args, "spin_time", None)
         known = discovery.of(node, keep=self.in_notebook)
-        known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time)
+        known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time, self.warn)
         return node
 
     def named(self, noun: str, with_hidden: bool = False) -> Mapping[str, Sequence[str]]:

@@ -8,9 +8,9 @@ import os
 import re
 import stat
 import warnings
-from argparse import SUPPRESS, ArgumentTypeError, Namespace
+from argparse import SUPPRESS, Action, ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from course_kit.kernel import in_kernel
 from course_kit.programs import packages
@@ -22,6 +22,7 @@ Arguments = Callable[[Any], object]  # adds arguments to a parser, or to a group
 Found = TypeVar("Found")
 Number = TypeVar("Number", int, float)
 
+BACKGROUND = "--background"
 LARGEST = 2**63 - 1  # what an integer of ROS holds
 LONGEST = 9e9  # seconds: a time of ROS counts nanoseconds in such an integer
 LONGEST_TEXT = 2000  # characters of a message, which repeats what was typed
@@ -52,7 +53,14 @@ def failing(*kinds: type[BaseException], say: Callable[[Any], str] = str) -> Ite
     try:
         yield
     except kinds as error:
+        if was_interrupt(error):
+            raise KeyboardInterrupt from None
         raise CommandError(say(error)) from None
+
+
+def was_interrupt(error: BaseException) -> bool:
+    """Whether an interrupt became this error: in the midst of a message's conversion rclpy makes another of it."""
+    return isinstance(error.__cause__, KeyboardInterrupt)
 
 
 def one_line(error: Exception) -> str:
@@ -159,16 +167,32 @@ seconds = number(float, lambda value: value >= 0, "invalid float value: {!r}: wr
 whole = number(int, lambda value: value >= 0, "invalid int value: {!r}: write a whole number, 0 or more")
 
 
-def yaml_values(name: str, example: str) -> Arguments:
+def yaml_values(name: str, example: str, offer: Callable[..., list[str]]) -> Arguments:
     """What a message is filled in with."""
     about = f"fields to set, as YAML, such as '{example}'; a time may be now, a header auto"
-    return one_of(argument(name, about, nargs="?", default="{}"), flag("--stdin", "read them from the standard input"))
+    values = argument(name, about, offer, nargs="?", default="{}")
+    return one_of(values, flag("--stdin", "read them from the standard input"))
 
 
 def duration(parser: Any) -> None:
     """The course's own option of verbs that go on until they are interrupted; a terminal's usage does not name it."""
     shown = "end after S seconds" if in_kernel() else SUPPRESS
     parser.add_argument("--duration", type=seconds, default=None, metavar="S", help=shown)
+
+
+class _Refused(Action):
+    """An option for notebooks alone."""
+
+    def __call__(self, parser: ArgumentParser, *_: object) -> NoReturn:
+        parser.error(f"{BACKGROUND} is for %ros2 in a notebook: in a terminal write & after the command line")
+
+
+def background(parser: Any) -> None:
+    """The course's own option of all verbs in a notebook, see magic.py; a terminal's usage does not name it."""
+    if in_kernel():
+        parser.add_argument(BACKGROUND, action="store_true", help="go on in a view of its own; the cell is done")
+    else:
+        parser.add_argument(BACKGROUND, action=_Refused, nargs=0, help=SUPPRESS)
 
 
 # The options of verbs that have a node of their own, and of those that read the graph.

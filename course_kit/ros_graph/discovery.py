@@ -12,18 +12,22 @@ import threading
 import time
 import weakref
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from rclpy.node import Node
 
 from course_kit.internals import going_on_without
 from course_kit.internals.fastdds_parts import PARTICIPANT_SIZE, Entities, entities, participants_listening
 from course_kit.internals.rmw_parts import SerializedSubscription, is_fast_dds
+from course_kit.internals.rtps_parts import ask_all_to_announce
+from course_kit.ros_graph import latecomers
 from course_kit.watching import instruments
 from course_kit.watching.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
 REST = 2.5  # seconds without news after which no more is expected: lost messages are repeated each second
+ASK_AGAIN = 0.3  # seconds after which those that are not known yet are asked again
+LATE, QUIET = 1.0, 0.5  # seconds that a wait takes, and that nothing new has come, before it is said on whom it waits
 WHOLE_TIMEOUT = 6.0  # seconds given to the graph to become known; a graph at rest takes a tenth of one
 TAKE_PERIOD = 1.0  # seconds between two looks at the messages of a process that stays
 TOPIC = "ros_discovery_info"
@@ -53,7 +57,8 @@ class Discovery:
         self._node = weakref.ref(node)
         self._domain = node.context.get_domain_id()
         self._announced: dict[bytes, Entities] = {}  # by participant
-        self._known = 0  # participants, at the last look
+        self._known: set[bytes] = set()  # participants, at the last look
+        self._listening: dict[int, str] = {}  # where they hear of others, at the last look
         self._found: set[bytes] = set()  # endpoints that the graph has shown with their node
         self._lock = threading.RLock()
         self._is_kept = False
@@ -77,22 +82,29 @@ class Discovery:
                 self._subscription.close()
                 self._subscription = None
 
-    def wait(self, timeout: float = WHOLE_TIMEOUT) -> bool:
+    def wait(self, timeout: float = WHOLE_TIMEOUT, say_late: Callable[[str], None] | None = None) -> bool:
         """Wait until the node knows every participant, node and endpoint that is there; whether it does.
 
         Returns False after `timeout` seconds, or when nothing new has come for REST seconds: then something listens
-        on the domain's ports that is no ROS node, or a process hangs.
+        on the domain's ports that is no ROS node, or a process hangs. `say_late` is told once, in a sentence, on whom
+        a long wait waits.
         """
-        deadline = time.monotonic() + timeout
-        state, changed = None, time.monotonic()
+        began = asked = time.monotonic()
+        state, changed = None, began
         while not self.is_whole():
             now = time.monotonic()
             if self._node() is None:
                 return False
-            if (new := (self._known, len(self._announced), len(self._found))) != state:
+            if (new := (len(self._known), len(self._announced), len(self._found))) != state:
                 state, changed = new, now
-            if now >= min(deadline, changed + REST):
+            if now >= min(began + timeout, changed + REST):
                 return False
+            if len(self._known) < len(self._listening) and now >= asked:
+                ask_all_to_announce(self._listening)
+                asked = now + ASK_AGAIN
+            if say_late is not None and now >= max(began + LATE, changed + QUIET):
+                say_late(latecomers.waited_for(self._domain, self._known, self._announced))
+                say_late = None
             time.sleep(POLL)
         return True
 
@@ -101,12 +113,14 @@ class Discovery:
         node = self._node()
         if node is None:
             return False
-        known = self._participants(node)
-        self._known = len(known)
+        self._known = known = self._participants(node)
         if self._subscription is None:
             return False
         listening = participants_listening(self._domain)
-        if listening is None or len(known) < listening:
+        if listening is None:
+            return False
+        self._listening = listening
+        if len(known) < len(listening):
             return False
         announced = self._announced_by(known)
         if len(announced) < len(known):

@@ -16,11 +16,11 @@ from typing import Any
 from rclpy.client import Client
 from rclpy.executors import Executor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from course_kit.internals.rclpy_parts import fast_executor
 from course_kit.polling import wait_until
-from course_kit.spinning import context, errors
+from course_kit.spinning import context, errors, presence
 from course_kit.spinning.executors import SpinThread
 from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
@@ -82,12 +82,15 @@ def before_end(closer: Callable[[Node], None]) -> None:
         _closers.append(closer)
 
 
-def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeout: float = 10.0) -> RawSubscription:
+def subscribe(
+    topic: str, callback: Callback, msg_type: Any | None = None, timeout: float = 10.0, with_kept: bool = True
+) -> RawSubscription:
     """Have `callback(serialised message, message info)` called, in the watching thread, for every message of a topic.
 
     Without `msg_type` (class or name) the type is looked up, which waits up to `timeout` seconds for the topic. The
-    QoS follows the publishers. Raises TimeoutError if nobody publishes the topic, TypeError if its type is another
-    or two, ValueError for a bad name. End it with .close().
+    QoS follows the publishers; without `with_kept` nothing comes that was published before. Raises TimeoutError if
+    nobody publishes the topic, TypeError if its type is another or two, ValueError for a bad name. End it with
+    .close().
     """
     name = topics.absolute(topic)
     watcher = _running().watcher
@@ -96,7 +99,10 @@ def subscribe(topic: str, callback: Callback, msg_type: Any | None = None, timeo
     message_type = topics.message_class(msg_type) if isinstance(msg_type, str) else msg_type
     topics.check_type(watcher.node, name, topics.type_name(message_type))
     published = topics.publishers(watcher.node, name)
-    subscription = watcher.subscribe(name, message_type, topics.qos_for(name, published), callback)
+    qos = topics.qos_for(name, published)
+    if not with_kept:
+        qos.durability = DurabilityPolicy.VOLATILE
+    subscription = watcher.subscribe(name, message_type, qos, callback)
     wait_until(lambda: subscription.publisher_count >= len(published), topics.MATCH_TIMEOUT)
     return subscription
 
@@ -145,6 +151,7 @@ def _running() -> _Instruments:
                 return _instruments
             stop()  # those of a context that was shut down
         made = quiet_node(f"{_name_prefix}_{os.getpid()}", with_rosout=_with_rosout)
+        presence.end()
         report = functools.partial(errors.report, made.get_fully_qualified_name())
         spinning = SpinThread(made, report, fast_executor(made.context)).start()
         _instruments = _Instruments(start, Watcher(made, report), spinning)

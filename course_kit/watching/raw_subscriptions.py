@@ -17,7 +17,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 
 from course_kit.internals import going_on_without
-from course_kit.internals.rclpy_parts import Taker, reception
+from course_kit.internals.rclpy_message_parts import Taker, reception
 from course_kit.watching import topics
 
 Callback = Callable[[bytes, dict[str, Any]], None]

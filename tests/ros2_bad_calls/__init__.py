@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
-from tests.ros2_bad_calls.nodes import INTERFACE_AND_PKG, NODE_AND_PARAM
+from tests.ros2_bad_calls.nodes import INTERFACE_AND_PKG, LIFECYCLE, NODE_AND_PARAM
 from tests.ros2_bad_calls.numbers import numbers
 from tests.ros2_bad_calls.programs import BAG, RUN_LAUNCH_DOCTOR
 from tests.ros2_bad_calls.topics import ACTION, SERVICE, TOPIC
 
-CALLS = [*numbers(), *TOPIC, *SERVICE, *ACTION, *NODE_AND_PARAM, *INTERFACE_AND_PKG, *RUN_LAUNCH_DOCTOR, *BAG]
+CALLS = [
+    *numbers(),
+    *TOPIC,
+    *SERVICE,
+    *ACTION,
+    *NODE_AND_PARAM,
+    *LIFECYCLE,
+    *INTERFACE_AND_PKG,
+    *RUN_LAUNCH_DOCTOR,
+    *BAG,
+]

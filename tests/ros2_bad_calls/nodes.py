@@ -1,4 +1,4 @@
-"""Command lines of `ros2 node`, `param`, `interface` and `pkg` that make no sense."""
+"""Command lines of `ros2 node`, `param`, `lifecycle`, `interface` and `pkg` that make no sense."""
 
 from __future__ import annotations
 
@@ -57,11 +57,29 @@ NODE_AND_PARAM = [
     Bad("param load /turtlesim <empty>", "is no parameter file"),
     Bad("param load /turtlesim <number>", "is no parameter file"),
     Bad("param load /turtlesim <latin>", "is no parameter file"),
-    Bad("param load /turtlesim <too_large>", "is no parameter file"),
+    Bad("param load /turtlesim <too_large>", "'10{23}' is no value of a parameter"),
+    Bad("param load /turtlesim <everywhere> --no-use-wildcard", "Param file does not contain selected parameters"),
+    Bad("param get /nope a --timeout 0", "Node not found"),
     Bad("param load /turtlesim <list>", "is no parameter file"),
     Bad("param load /turtlesim <no_parameters>", "not a valid ROS parameter file"),
     Bad("param load /turtlesim <text>", "is no YAML"),
     Bad("param load /turtlesim <surrogate>", NO_TEXT, 2),
+]
+
+LIFECYCLE = [
+    Bad("lifecycle", "usage: ros2 lifecycle", 0),
+    Bad("lifecycle nodes extra", "unrecognized arguments: extra", 2),
+    Bad("lifecycle get /turtlesim", "Node not found\n/turtlesim is a node without a lifecycle"),
+    Bad("lifecycle get /turtlesim --timeout 0", "invalid positive_float value: '0'", 2),
+    Bad("lifecycle get ''", "Node not found"),
+    Bad("lifecycle get /", "Node not found"),
+    Bad("lifecycle get <long>", "Node not found"),
+    Bad("lifecycle get <surrogate>", NO_TEXT, 2),
+    Bad("lifecycle list", "required: node_name", 2),
+    Bad("lifecycle list -a /nope", "Node not found"),
+    Bad("lifecycle set /turtlesim", "required: transition", 2),
+    Bad("lifecycle set /turtlesim configure", "Node not found"),
+    Bad("lifecycle set /nope <long>", "Node not found"),
 ]
 
 INTERFACE_AND_PKG = [

@@ -12,6 +12,7 @@ from types import FrameType
 from typing import Any
 
 from course_kit.calls.goals import STATES
+from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import ACTIONS
 from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session, handling
@@ -21,6 +22,7 @@ SAME_INTERRUPT = 0.5  # seconds: a shell may pass one Ctrl-C on twice, to the pr
 
 
 def _run(args: Namespace, session: Session) -> None:
+    session.join()
     from rclpy.action import ActionClient
 
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
@@ -110,6 +112,6 @@ SEND_GOAL = Verb(
     _run,
     ACTIONS.name,
     ACTIONS.typed("action_type"),
-    yaml_values("goal", "{order: 10}"),
+    yaml_values("goal", "{order: 10}", fields_of("action", "action_type")),
     flag("-f --feedback", "show the feedback that comes meanwhile"),
 )

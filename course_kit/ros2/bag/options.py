@@ -30,9 +30,17 @@ def _existing_path(text: str) -> str:
     return text
 
 
-BAG = all_of(
-    argument("bag_path", "the bag: its folder, or one file of it", type=_existing_path),
-    argument("-s --storage", "accepted: the files tell by themselves", default="", choices=STORAGES),
+def _bag(**settings: Any) -> Arguments:
+    return all_of(
+        argument("bag_path", "the bag: its folder, or one file of it", type=_existing_path, **settings),
+        argument("-s --storage", "accepted: the files tell by themselves", default="", choices=STORAGES),
+    )
+
+
+BAG = _bag()
+BAGS = all_of(
+    _bag(nargs="?"),
+    argument("-i --input", "a bag; give it once for each of several", nargs="+", action="append", metavar="URI"),
 )
 REGEX = argument("-e --regex", "topics that this regular expression finds", default="")
 EXCLUDE_REGEX = argument("-x --exclude-regex", "none that this regular expression finds", default="")
@@ -51,6 +59,27 @@ def failed(text: str) -> CommandError:
 def failing_with(*kinds: type[Exception], say: Callable[[Any], str] = str) -> AbstractContextManager[None]:
     """Exceptions of these kinds are failures in rosbag2's words."""
     return failing(*kinds, say=lambda error: ERROR.format(say(error)))
+
+
+def bag_paths(args: Namespace) -> list[str]:
+    """The bags that are named, by their place or by --input. CommandError for what is no bag's path and storage."""
+    if args.bag_path is not None and args.input:
+        raise failed(
+            "do not mix the [bag_path] positional argument and the -i,--input option; for multiple input bags, use "
+            "-i,--input multiple times"
+        )
+    if args.bag_path is not None:
+        return [args.bag_path]
+    for path, *storage in args.input or ():
+        with failing_with(ArgumentTypeError):
+            _existing_path(path)
+        if len(storage) > 1:
+            raise failed(f"-i takes a bag and the storage of its files, not also {' '.join(storage[1:])}")
+        if storage and storage[0] not in STORAGES:
+            raise failed(f"Unknown storage ID '{storage[0]}', options are: {', '.join(STORAGES)}")
+    if not args.input:
+        raise CommandError("ros2 bag play: error: bag_path or --input is required", status=2)
+    return [path for path, *_ in args.input]
 
 
 def say_what_is_left(bag: BagInfo | OpenBag, session: Session) -> None:
@@ -87,7 +116,9 @@ def selection(args: Namespace, names: Sequence[str], every: bool, **more: Any) -
             [topics.absolute(name) for name in names],
             regex=args.regex,
             every=every,
+            services=[topics.absolute(name) for name in args.services],
             exclude_names=[topics.absolute(name) for name in args.exclude_topics],
+            exclude_services=[topics.absolute(name) for name in args.exclude_services],
             exclude_regex=args.exclude_regex,
             **more,
         )

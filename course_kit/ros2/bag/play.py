@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Callable
+from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.bag import options
 from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failing_with
 from course_kit.ros2.session import DurationOver, Session
-from course_kit.ros2.verbs import LONGEST, Verb, argument, duration, flag, number, whole
+from course_kit.ros2.verbs import LONGEST, Verb, argument, duration, flag, number, one_of, whole
 
 if TYPE_CHECKING:
     from course_kit.bags.files import OpenBag
@@ -18,12 +19,9 @@ if TYPE_CHECKING:
 
 RATES = {"up": 1.1, "down": 0.9}  # what these keys multiply the rate with
 UNSUPPORTED: dict[str, dict[str, Any]] = {
-    "--services": {"nargs": "+"},
-    "--exclude-services": {"nargs": "+"},
     "--storage-config-file": {},
-    "--clock-topics": {"nargs": "+"},
-    "--clock-topics-all": {"action": "store_true"},
-    "--publish-service-requests": {"action": "store_true"},
+    "--service-requests-source": {},
+    "--message-order": {},
 }
 KEY_LINES = (
     "Adding keyboard callbacks.",
@@ -44,21 +42,26 @@ def _float(text: str) -> float:
 SLOWEST, FASTEST = 1e-6, 1e6  # times as fast as recorded, and Hz of /clock
 _positive = number(_float, lambda value: value >= SLOWEST, "{} is not in the valid range (> 0.0)", FASTEST)
 _not_negative = number(_float, lambda value: value >= 0, "Value {} is less than zero.", LONGEST)
+_moment = number(int, lambda value: True, "invalid int value: {!r}")
 _span = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
 
 
 def _play(args: Namespace, session: Session) -> int:
     options.refuse_unsupported(args, UNSUPPORTED)
-    wanted = _options(args)
+    paths, wanted = options.bag_paths(args), _options(args)
 
     from course_kit.bags.files import opened
     from course_kit.bags.storage import BagError
+    from course_kit.bags.together import together
     from course_kit.ros2.bag.keys import keys
 
     has_keys = not (session.in_notebook or args.disable_keyboard_controls)
-    with failing_with(BagError), opened(args.bag_path) as bag, keys(has_keys) as pressed:
-        options.say_what_is_left(bag, session)
-        return _run(bag, wanted, session, pressed if has_keys else None, args.log_level)
+    with failing_with(BagError), ExitStack() as stack:
+        bags = [stack.enter_context(opened(path)) for path in paths]
+        for bag in bags:
+            options.say_what_is_left(bag, session)
+        pressed = stack.enter_context(keys(has_keys))
+        return _run(together(bags), wanted, session, pressed if has_keys else None, args.log_level)
 
 
 def _run(
@@ -100,10 +103,12 @@ def _run(
 def _options(args: Namespace) -> PlayOptions:
     """What the command line asks for; CommandError for what cannot be."""
     from course_kit.bags.player import PlayOptions
+    from course_kit.bags.selection import Selection
     from course_kit.watching import topics
 
     remap = {}
     with failing_with(ValueError):
+        clock_topics = Selection([topics.absolute(name) for name in args.clock_topics], every=args.clock_topics_all)
         for rule in args.remap:
             old, separator, new = rule.partition(":=")
             if not separator:
@@ -115,33 +120,47 @@ def _options(args: Namespace) -> PlayOptions:
         delay=args.delay,
         start_offset=args.start_offset,
         duration=None if args.playback_duration < 0 else args.playback_duration,
-        selection=options.selection(args, args.topics, every=not (args.topics or args.regex)),
+        selection=options.selection(args, args.topics, every=not (args.topics or args.services or args.regex)),
         remap=remap,
         overrides=options.qos_overrides(args.qos_profile_overrides_path),
+        until=min((t for t in (int(args.playback_until_sec * 1e9), args.playback_until_nsec) if t >= 0), default=None),
         clock_rate=args.clock,
+        clock_topics=clock_topics,
         read_ahead=args.read_ahead_queue_size,
         starts_paused=args.start_paused,
+        sends_requests=args.publish_service_requests,
     )
 
 
 PLAY = Verb(
     "publish what a bag holds, as it was recorded",
     _play,
-    options.BAG,
+    options.BAGS,
     argument("--read-ahead-queue-size", "how many messages are read ahead (default: 1000)", type=whole, default=1000),
     argument("-r --rate", "how many times as fast (default: 1)", type=_positive, default=1.0),
     argument("--topics", "only these topics", default=[], metavar="topic", nargs="+"),
+    argument("--services", "only the calls of these services", default=[], metavar="service", nargs="+"),
     REGEX,
     EXCLUDE_REGEX,
     argument("--exclude-topics", "none of these topics", default=[], metavar="topic", nargs="+"),
+    argument("--exclude-services", "no calls of these services", default=[], metavar="service", nargs="+"),
+    flag("--publish-service-requests", "call the services again, in place of publishing the events of their calls"),
     SHARED,
     flag("-l --loop", "begin again at the end"),
     argument("--remap -m", "play topics under other names: /old:=/new …", default=[], nargs="+"),
     argument(
         "--clock", "publish /clock, N times a second (default: 40)", type=_positive, nargs="?", const=40.0, default=0
     ),
+    one_of(
+        argument("--clock-topics", "publish /clock with each message of these topics", default=[], nargs="+"),
+        flag("--clock-topics-all", "publish /clock with each message"),
+    ),
     argument("-d --delay", "wait so many seconds before each beginning", type=_not_negative, default=0.0),
     argument("--playback-duration", "play so many seconds of the bag (default: all)", type=_span, default=-1.0),
+    one_of(
+        argument("--playback-until-sec", "end at this time of the bag, in s since 1970", type=_span, default=-1.0),
+        argument("--playback-until-nsec", "end at this time of the bag, in ns since 1970", type=_moment, default=-1),
+    ),
     flag("-p --start-paused", "stand still until SPACE is pressed"),
     argument("--start-offset", "begin so many seconds into the bag", type=_not_negative, default=0.0),
     argument("--wait-for-all-acked", "accepted: it always waits, for up to 1 s", type=whole, metavar="TIMEOUT"),

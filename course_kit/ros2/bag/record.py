@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 DEFAULT_NAME = "rosbag2_%Y_%m_%d-%H_%M_%S"
 SMALLEST_SPLIT = {"mcap": 1024, "sqlite3": 86016}  # bytes
 UNSUPPORTED: dict[str, dict[str, Any]] = {
-    "--services": {"nargs": "+", "metavar": "ServiceName"},
-    "--all-services": {"action": "store_true"},
-    "--exclude-services": {"nargs": "+", "metavar": "ServiceName"},
     "--use-sim-time": {"action": "store_true"},
     "--snapshot-mode": {"action": "store_true"},
     "--storage-config-file": {},
@@ -32,6 +29,9 @@ UNSUPPORTED: dict[str, dict[str, Any]] = {
     "--serialization-format": {},
     "--compression-mode": {"choices": ["none", "file", "message"]},
     "--compression-format": {},
+    "--compression-queue-size": {},
+    "--compression-threads": {},
+    "--compression-threads-priority": {},
 }
 
 
@@ -105,8 +105,9 @@ def _selection(args: Namespace, session: Session, folder: str) -> Selection:
     """What to record; CommandError for what contradicts itself, with rosbag2's words."""
     names = args.topics_positional or args.topics
     every = args.all or args.all_topics
-    wide = every or args.topic_types or args.regex
-    if not (wide or names):
+    every_service = args.all or args.all_services
+    wide = every or every_service or args.topic_types or args.regex
+    if not (wide or names or args.services):
         raise failed(
             "Need to specify at least one option out of --all, --all-topics, --all-services, --services, --topics, "
             "--topic-types or --regex"
@@ -115,12 +116,15 @@ def _selection(args: Namespace, session: Session, folder: str) -> Selection:
         ("--exclude-regex", args.exclude_regex, "--all, --all-topics, --topic-types, --all-services or --regex"),
         ("--exclude-topics", args.exclude_topics, "--all, --all-topics, --topic-types or --regex"),
         ("--exclude-topic-types", args.exclude_topic_types, "--all, --all-topics or --regex"),
+        ("--exclude-services", args.exclude_services, "--all, --all-services or --regex"),
     ):
         if given and not wide:
             raise failed(f"{option} argument requires either {needed}")
     if every and names:
         session.print("[WARN] [ros2bag]: --all or --all-topics will override --topics")
-    if every and args.regex:
+    if every_service and args.services:
+        session.print("[WARN] [ros2bag]: --all or --all-services will override --services")
+    if (every or every_service) and args.regex:
         session.print("[WARN] [ros2bag]: --all, --all-topics or --all-services will override --regex")
     if os.path.isdir(folder):
         raise failed(f"Output folder '{folder}' already exists.")
@@ -135,6 +139,7 @@ def _selection(args: Namespace, session: Session, folder: str) -> Selection:
         names,
         every,
         types=args.topic_types,
+        every_service=every_service,
         exclude_types=args.exclude_topic_types,
         with_hidden=args.include_hidden_topics,
         with_unpublished=args.include_unpublished_topics,
@@ -159,12 +164,15 @@ RECORD = Verb(
         _some("--topics", "the topics to record", "Topic", offer=names_of("topic")),
     ),
     _some("--topic-types", "topics of these types", "TopicType"),
-    flag("-a --all", "all topics but the hidden ones"),
-    flag("--all-topics", "the same as --all"),
+    _some("--services", "services of which to record the calls", "ServiceName", offer=names_of("service")),
+    flag("-a --all", "all topics but the hidden ones, and all services"),
+    flag("--all-topics", "all topics but the hidden ones"),
+    flag("--all-services", "all services; those that tell of their calls, see configure_introspection()"),
     REGEX,
     EXCLUDE_REGEX,
     _some("--exclude-topic-types", "none of these types", "ExcludeTopicTypes"),
     _some("--exclude-topics", "none of these topics", "Topic"),
+    _some("--exclude-services", "none of these services", "ServiceName"),
     flag("--include-unpublished-topics", "also topics that nobody publishes yet"),
     flag("--include-hidden-topics", "also topics that are hidden, by an underscore in the name"),
     flag("--no-discovery", "only topics that are there at the start"),

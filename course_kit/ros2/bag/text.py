@@ -7,12 +7,13 @@ from collections.abc import Mapping, Sequence
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
+from course_kit.bags.selection import EVENTS, service_of
+
 if TYPE_CHECKING:
     from course_kit.bags.files import BagInfo, BagTopic
 
 INDENT = " " * 19
 UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
-EVENT_TOPIC = "/_service_event"
 SORTING = ("count", "name", "type")
 
 
@@ -41,8 +42,7 @@ def topics_and_events(bag: BagInfo, sort: str) -> tuple[list[BagTopic], list[Bag
     """The topics of a bag, sorted, and apart from them those that tell of service calls."""
     found: tuple[list[BagTopic], list[BagTopic]] = [], []
     for topic in sorted(bag.topics, key=attrgetter(sort)):
-        is_event = topic.name.endswith(EVENT_TOPIC) and "/srv/" in topic.type and topic.type.endswith("_Event")
-        found[is_event].append(topic)
+        found[service_of(topic.name, topic.type) is not None].append(topic)
     return found
 
 
@@ -53,7 +53,7 @@ def _column(lines: Sequence[str], indent: str = INDENT) -> str:
 def _line(topic: BagTopic, sizes: Mapping[str, int] | None, what: str, counted: str) -> str:
     name, kind = topic.name, topic.type
     if counted:
-        name, kind = name.removesuffix(EVENT_TOPIC), kind.removesuffix("_Event")
+        name, kind = name.removesuffix(EVENTS), kind.removesuffix("_Event")
     size = f"Size Contribution: {size_text(sizes.get(topic.name, 0))} | " if sizes is not None else ""
     return (
         f"{what}: {name} | Type: {kind} | {counted}Count: {topic.count} | "

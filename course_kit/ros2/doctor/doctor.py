@@ -1,6 +1,7 @@
 """`ros2 doctor`, alias `ros2 wtf`: checks of this machine, the packages and the graph, and a report of what is there.
 
-Nothing of it uses the network: the newest versions of packages, which the real command looks up, are left out.
+Nothing of these uses the network, as `hello` does: the newest versions of packages, which the real command looks up,
+are left out.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from course_kit.internals import package_version
 from course_kit.programs import packages
 from course_kit.ros2.doctor import checks, report
 from course_kit.ros2.doctor.checks import Pair, System, Topic
+from course_kit.ros2.doctor.hello import HELLO
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import Verb, flag, one_of
 
@@ -115,3 +117,4 @@ COMMAND = Verb(
     flag("--exclude-packages -ep", "leave the packages out"),
     flag("--include-warnings -iw", "let warnings fail a check too"),
 )
+VERBS = {"hello": HELLO}

@@ -59,7 +59,8 @@ def path(type_name: str) -> str:
     raise LookupError(f"Could not find the interface '{candidates[-1]}'")
 
 
-def _definition(type_name: str) -> str:
+def definition(type_name: str) -> str:
+    """The text that defines a type; errors as of path()."""
     with open(path(type_name), encoding="utf-8") as file:
         return file.read()
 
@@ -115,9 +116,9 @@ def _or_from_stdin(text: str) -> str:
 
 def _show(args: Namespace, session: Session) -> None:
     if _path(args.type).endswith(".idl"):
-        session.print(_definition(args.type).rstrip())
+        session.print(definition(args.type).rstrip())
         return
-    lines = text.show(args.type, _definition, not args.no_comments, args.all_comments)
+    lines = text.show(args.type, definition, not args.no_comments, args.all_comments)
     with failing(LookupError):  # a type that a field has, and that is not installed
         for line in lines:
             session.print(line)

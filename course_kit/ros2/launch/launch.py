@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any, NoReturn
 
+from course_kit.kernel import in_kernel
 from course_kit.launching import stand_ins
 from course_kit.programs import packages
 from course_kit.ros2 import children
@@ -48,11 +49,27 @@ def _launch_files(package: str) -> list[str]:
     return sorted(name for name in map(os.path.basename, _files(_share(package) or "")) if name.endswith(EXTENSIONS))
 
 
+def _argument_names(args: Namespace) -> list[str]:
+    """What the arguments of the launch file begin with; none if it cannot be read. In a kernel none is run."""
+    with contextlib.suppress(Exception, SystemExit):
+        if not in_kernel():
+            path, _ = find_launch_file(args)
+            return [f"{one.name}:=" for one in _arguments_of(path)]
+    return []
+
+
+def _arguments_of(path: str) -> list[Any]:
+    from course_kit.launching.describing import arguments_of
+    from course_kit.launching.include import load_launch_file
+
+    stand_ins.install()
+    return list(arguments_of(load_launch_file(path)))
+
+
 def _run(args: Namespace, session: Session) -> int:
     if session.in_notebook or args.duration is not None:
         # A launch has a loop, signals and an environment of its own, so it is a process of its own.
-        start = "from course_kit.ros2.command import main; main()"
-        return children.run_in_notebook([sys.executable, "-c", start, *_without_duration(args.words)], session)
+        return children.run_in_notebook([*children.PROGRAM, *_without_duration(args.words)], session)
     if _is_real():
         _hand_over(args.words)
     path, given = find_launch_file(args)
@@ -183,8 +200,13 @@ COMMAND = Verb(
     argument(
         "launch_file_name",
         "the name of the launch file",
-        offering(lambda args: _launch_files(args.package_name)),
+        offering(lambda args: _launch_files(args.package_name) or _argument_names(args)),
         nargs="?",
     ),
-    argument("launch_arguments", "arguments of the launch file, as <name>:=<value>", nargs="*"),
+    argument(
+        "launch_arguments",
+        "arguments of the launch file, as <name>:=<value>",
+        offering(_argument_names),
+        nargs="*",
+    ),
 )

@@ -46,7 +46,7 @@ _fields: dict[Any, Fields] = {}
 def to_yaml(message: Any, shown: Shown = EVERYTHING, flow_style: bool = False) -> str:
     """A message as YAML that ends with a newline; `flow_style` writes sequences in brackets."""
     if flow_style or not fields(type(message)):
-        return _dump(to_dict(message, shown), flow_style)
+        return dump(to_dict(message, shown), flow_style)
     lines: list[str] = []
     _write_fields(message, 0, shown, lines)
     lines.append("")
@@ -195,10 +195,11 @@ def _string(text: str, indent: int) -> str:
     nested: Any = {"k": text}
     for _ in range(indent // 2):  # lines after the first are indented as deep as the field is nested
         nested = {"k": nested}
-    return _dump(nested, flow_style=False)[:-1].split("k: ", 1)[1]
+    return dump(nested, flow_style=False)[:-1].split("k: ", 1)[1]
 
 
-def _dump(data: Any, flow_style: bool) -> str:
+def dump(data: Any, flow_style: bool) -> str:
+    """Python data as YAML that ends with a newline, in block style; `flow_style` writes sequences in brackets."""
     text: str = yaml.dump(
         data, Dumper=_Dumper, allow_unicode=True, width=sys.maxsize, default_flow_style=flow_style, sort_keys=False
     )

@@ -39,15 +39,16 @@ def _info(args: Namespace, session: Session) -> None:
     from course_kit.ros_graph import graph
 
     node = session.graph()
-    known = [name.full_name for name in graph.nodes(node, with_hidden=True)]
+    known = [name.full_name for name in graph.nodes(node, with_hidden=args.include_hidden)]
     wanted = graph.NodeName.of(args.node_name).full_name
     count = known.count(wanted)
-    unknown = CommandError(f"Unable to find node '{args.node_name}'", did_you_mean(wanted, known))
+    suggestion = None if graph.is_hidden(wanted) else did_you_mean(wanted, known)
+    unknown = CommandError(f"Unable to find node '{args.node_name}'", suggestion)
     if not count:
         raise unknown
     if count > 1:
         session.warn(
-            f"There are {count} nodes in the graph with the exact name '{args.node_name}'. "
+            f'There are {count} nodes in the graph with the exact name "{args.node_name}". '
             "You are seeing information about only one of them."
         )
     try:

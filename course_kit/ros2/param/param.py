@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.completion import node_names, parameter_names
+from course_kit.ros2.param.files import VALUES, nested, read
 from course_kit.ros2.param.services import call, list_parameters
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import (
@@ -19,15 +21,14 @@ from course_kit.ros2.verbs import (
     did_you_mean,
     failing,
     flag,
-    one_line,
-    refuse_device,
+    whole,
 )
 
 if TYPE_CHECKING:
     from course_kit.ros_graph.graph import NodeName
 
 SCALARS = ("boolean", "integer", "double", "string")
-VALUES = "true or false, an integer of 64 bits, a float, a string, or a list of one of these"
+NODE_POLL = 0.05  # seconds between two looks for a node
 TYPE_NAMES = ("not set", *SCALARS, "byte array", *(f"{name} array" for name in SCALARS))
 
 
@@ -38,13 +39,16 @@ def _nodes(args: Namespace, session: Session) -> list[NodeName]:
 
 
 def _found_node(args: Namespace, session: Session) -> str:
-    """The full name of the node that was named."""
-    from course_kit.ros_graph.graph import NodeName
+    """The full name of the node that was named, once it is there; --timeout is for one that only starts."""
+    from course_kit.ros_graph import graph
 
-    known = [name.full_name for name in _nodes(args, session)]
-    wanted = NodeName.of(args.node_name).full_name
-    if wanted not in known:
-        raise CommandError("Node not found", did_you_mean(wanted, known))
+    node, wanted = session.graph(), graph.NodeName.of(args.node_name).full_name
+
+    def known() -> list[str]:
+        return [name.full_name for name in graph.nodes(node, args.include_hidden_nodes)]
+
+    if not session.until(lambda: wanted in known(), args.timeout, NODE_POLL):
+        raise CommandError("Node not found", did_you_mean(wanted, known()))
     return wanted
 
 
@@ -61,10 +65,13 @@ def _list(args: Namespace, session: Session) -> None:
 
     chosen = [graph.NodeName.of(_found_node(args, session))] if args.node_name else _nodes(args, session)
     is_wanted = compiled(args.filter or "", "Invalid regular expression '{}': {}").search
-    offered = graph.services(session.node, with_hidden=True)
+
+    def answers(node: NodeName) -> bool:
+        return f"{node.full_name}/list_parameters" in graph.services(session.node, with_hidden=True)
+
     for node in chosen:
-        if f"{node.full_name}/list_parameters" not in offered:
-            continue
+        if not session.until(partial(answers, node), args.timeout if args.node_name else 0.0, NODE_POLL):
+            continue  # it has no parameters; one that has just come offers its services a little later
         try:
             names = list_parameters(session, node.full_name, *args.param_prefixes)
             names = list(filter(is_wanted, names))
@@ -131,7 +138,8 @@ def _delete(args: Namespace, session: Session) -> None:
     from rcl_interfaces.msg import Parameter
 
     node = _found_node(args, session)
-    (result,) = call(session, node, "set_parameters", parameters=[Parameter(name=args.parameter_name)]).results
+    nothing = Parameter(name=args.parameter_name)
+    (result,) = call(session, node, "set_parameters", is_repeated=False, parameters=[nothing]).results
     _report(session, result, "Deleted parameter", "Deleting parameter", adverb="successfully")
 
 
@@ -167,45 +175,20 @@ def _dump(args: Namespace, session: Session) -> None:
     session.print(yaml.dump({node: {"ros__parameters": nested(parameters)}}, default_flow_style=False))
 
 
-def nested(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """{'a.b': 1} as {'a': {'b': 1}}: how a parameter file writes names with dots, unless there is an 'a' before."""
-    tree: dict[str, Any] = {}
-    for name, value in parameters.items():
-        branch, rest = tree, name
-        while "." in rest and isinstance(branch.setdefault(rest.split(".")[0], {}), dict):
-            group, _, rest = rest.partition(".")
-            branch = branch[group]
-        branch[rest] = value
-    return tree
-
-
 def _load(args: Namespace, session: Session) -> None:
-    import yaml
-    from rclpy.parameter import parameter_dict_from_yaml_file
-
     node = _found_node(args, session)
-    file = args.parameter_file
-    refuse_device(file)
-
-    def say(error: Exception) -> str:
-        if isinstance(error, OSError):
-            return f"{error.strerror}: '{file}'"
-        if isinstance(error, yaml.YAMLError):
-            return f"{file} is no YAML: {one_line(error)}"
-        if type(error) is RuntimeError:  # rclpy's word for a node that the file does not name
-            return str(error)
-        return f"{file} is no parameter file: write '{node}: {{ros__parameters: {{name: value}}}}', each value {VALUES}"
-
-    with failing(Exception, say=say):
-        found = parameter_dict_from_yaml_file(file, not args.no_use_wildcard, target_nodes=[node])
-        parameters = [_sendable(parameter) for parameter in found.values()]
-    results = call(session, node, "set_parameters", parameters=parameters).results
-    for name, result in zip(found, results, strict=True):
+    values = read(args.parameter_file, node, not args.no_use_wildcard)
+    parameters = {name: with_value(name, str(value)) for name, value in values.items()}
+    results = call(session, node, "set_parameters", parameters=list(parameters.values())).results
+    for name, result in zip(parameters, results, strict=True):
         _report(session, result, f"Set parameter {name}", f"Set parameter {name}")
 
 
 _HIDDEN = flag("--include-hidden-nodes", "also nodes that are hidden, by an underscore in the name")
-_NODE = all_of(GRAPH, argument("node_name", "the node, such as /turtlesim", node_names), _HIDDEN)
+_TIMEOUT = argument(
+    "--timeout", "give the node so many seconds to appear (default: 1)", type=whole, default=1, metavar="N"
+)
+_NODE = all_of(GRAPH, argument("node_name", "the node, such as /turtlesim", node_names), _HIDDEN, _TIMEOUT)
 _PARAMETER = argument("parameter_name", "the parameter, such as background_r", parameter_names)
 VERBS = {
     "delete": Verb("take a parameter from a node", _delete, _NODE, _PARAMETER),
@@ -223,6 +206,7 @@ VERBS = {
         GRAPH,
         argument("node_name", "the node (default: all)", node_names, nargs="?"),
         _HIDDEN,
+        _TIMEOUT,
         argument("--param-prefixes", "only those below these names", nargs="+", default=[]),
         flag("--param-type", "with their types"),
         argument("--filter", "only those that this regular expression finds"),

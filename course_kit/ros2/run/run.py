@@ -10,7 +10,7 @@ from pathlib import Path
 
 from course_kit.programs import packages
 from course_kit.ros2 import children
-from course_kit.ros2.completion import offering, package_names
+from course_kit.ros2.completion import of_background, offering, package_names
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError, Verb, argument, did_you_mean, duration, failing, look_up
 
@@ -59,5 +59,5 @@ COMMAND = Verb(
     duration,
     argument("package_name", "the package", package_names),
     argument("executable_name", "the executable", offering(_executables)),
-    argument("argv", "arguments of the executable", nargs=REMAINDER),
+    argument("argv", "arguments of the executable", of_background, nargs=REMAINDER),
 )

@@ -6,6 +6,7 @@ import time
 from argparse import Namespace
 from contextlib import ExitStack
 
+from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import SERVICES
 from course_kit.ros2.servers import outcome, wait_for_server
 from course_kit.ros2.session import Session
@@ -13,6 +14,7 @@ from course_kit.ros2.verbs import LONGEST, CommandError, Verb, argument, failing
 
 
 def _run(args: Namespace, session: Session) -> None:
+    session.join()
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
     from course_kit.watching.instruments import client_of
@@ -51,10 +53,10 @@ def _run(args: Namespace, session: Session) -> None:
 _rate = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
 
 CALL = Verb(
-    "call a service",
+    "ask a service, and show what it answers",
     _run,
     SERVICES.name,
     SERVICES.typed("service_type"),
-    yaml_values("values", "{a: 1, b: 2}"),
+    yaml_values("values", "{a: 1, b: 2}", fields_of("srv", "service_type")),
     argument("-r --rate", "call it again and again, N times a second", metavar="N", type=_rate),
 )

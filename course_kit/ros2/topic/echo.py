@@ -15,23 +15,24 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import Any
 
+from course_kit.ros2.messages.shown import SHOWN, shown
 from course_kit.ros2.named import TOPICS
 from course_kit.ros2.session import Session
 from course_kit.ros2.topic import endpoints
-from course_kit.ros2.verbs import GRAPH, Verb, argument, duration, failing, flag, number, positive_float
+from course_kit.ros2.verbs import GRAPH, Verb, argument, duration, failing, flag, positive_float
 
-TRUNCATE_LENGTH = 128
 WAITING = 1000  # messages that may wait to be printed
 TICK = 0.02  # seconds without a message after which other things are looked at
 
 
 def _run(args: Namespace, session: Session) -> None:
-    from course_kit.ros2.messages.yaml_text import Shown
     from course_kit.ros2.topic.echo_text import expression, message_text, selector
 
+    if args.lost_messages:
+        session.warn("WARNING: '--lost-messages' is deprecated; lost messages are reported by default")
     select = selector(args.field)
     matches = expression(args.filter_expr) if args.filter_expr else lambda message: True
-    shown = Shown(None if args.full_length else args.truncate_length, args.no_arr, args.no_str)
+    kept = shown(args)
     topic = endpoints.full_name(args.topic_name)
     kind = _message_class(session, args)
 
@@ -45,7 +46,7 @@ def _run(args: Namespace, session: Session) -> None:
                 message = select(data if args.raw else deserialize_message(data, kind))
                 if matches(message):
                     about = info if args.include_message_info else None
-                    session.print(message_text(message, about, shown, args.csv, args.flow_style), end="")
+                    session.print(message_text(message, about, kept, args.csv, args.flow_style), end="")
                     if args.once:
                         return
                 if time.monotonic() >= ends:
@@ -67,7 +68,7 @@ def _message_class(session: Session, args: Namespace) -> Any:
 
 
 @dataclass
-class _Arrivals:
+class Arrivals:
     """What callbacks leave for the main thread: messages, and news about the subscription."""
 
     queue: SimpleQueue[tuple[bytes, dict[str, Any]]] = field(default_factory=SimpleQueue)
@@ -76,12 +77,14 @@ class _Arrivals:
     reported: int = 0
 
     def put(self, data: bytes, info: dict[str, Any]) -> None:
+        """Keep a message; the oldest goes if too many wait."""
         if self.queue.qsize() >= WAITING:
             with suppress(Empty):
                 self.queue.get_nowait()
         self.queue.put((data, info))
 
     def report(self, session: Session, with_lost: bool) -> None:
+        """Print the warnings, and what was lost since the last report."""
         session.warn_of(self.warnings)
         total = self.lost()
         if with_lost and total > self.reported:
@@ -92,14 +95,14 @@ class _Arrivals:
 
 
 @contextmanager
-def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Iterator[_Arrivals]:
+def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Iterator[Arrivals]:
     """The messages of a topic while the block runs.
 
     With a QoS on the command line it is that one, exactly, and a line says so if it fits no publisher.
     """
     from course_kit.watching import instruments, topics
 
-    arrivals, node = _Arrivals(), session.node
+    arrivals, node = Arrivals(), session.node
 
     def note_mismatch(policy: Any) -> None:
         arrivals.warnings.put(endpoints.incompatible(node.get_name(), topic, policy, is_publisher=False))
@@ -129,16 +132,8 @@ ECHO = Verb(
     endpoints.qos_options("sensor_data"),
     flag("--csv", "the values with commas between them, as for a table; -i puts its four numbers before them"),
     argument("--field", "only this part of the message, such as pose.position or ranges[0]"),
-    flag("--full-length -f", "long arrays and strings whole"),
-    argument(
-        "--truncate-length -l",
-        f"how much of an array or a string is shown before '...' (default: {TRUNCATE_LENGTH})",
-        type=number(int, lambda value: value >= 0, "value must be non-negative integer"),
-        default=TRUNCATE_LENGTH,
-    ),
-    flag("--no-arr", "only type and length of arrays"),
-    flag("--no-str", "only the length of strings"),
-    flag("--flow-style", "arrays in brackets, on one line"),
+    SHOWN,
+    flag("--lost-messages", "accepted: they are told of"),
     flag("--no-lost-messages", "say nothing of messages that were lost"),
     flag("--raw", "the bytes as they come, not decoded"),
     argument("--filter", "only messages m for which this Python expression is true", dest="filter_expr"),

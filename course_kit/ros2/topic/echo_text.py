@@ -20,7 +20,8 @@ def selector(path: str | None) -> Callable[[Any], Any]:
     if not names:
         raise CommandError(f"Invalid field value '{path}'")
     field = ".".join(names)
-    chosen: list[Any] = [part for step in steps(field) for part in (step.name, *step.indexes)]
+    parts = [part for step in steps(field) for part in (step.name, *step.indexes)]
+    chosen: list[Any] = [part for part in parts if part != ""]  # 'ranges.[0]' is as good
 
     def select(message: Any) -> Any:
         with failing(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from argparse import Namespace
@@ -10,9 +11,10 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from queue import SimpleQueue
 from typing import Any
 
+from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import TOPICS
 from course_kit.ros2.session import Session
-from course_kit.ros2.topic import endpoints
+from course_kit.ros2.topic import clock, endpoints
 from course_kit.ros2.verbs import (
     NODE,
     CommandError,
@@ -29,6 +31,7 @@ from course_kit.ros2.verbs import (
 )
 
 MATCH_TIME = 0.2  # seconds in which subscriptions that are known are matched, before the user is told of a wait
+SIMULATED_POLL = 0.001  # seconds between two looks at the simulated clock
 REMIND_PERIOD = 1.0  # seconds between two lines while it waits
 
 _count = number(int, lambda value: value >= 0, "invalid nonnegative_int value: {!r}")
@@ -55,18 +58,34 @@ def _run(args: Namespace, session: Session) -> None:
     with _node(session, args) as node, _publisher(session, args, node, topic, kind, warnings) as publisher:
         _wait_for_subscriptions(session, topic, publisher, wanted, args.max_wait_time_secs or math.inf)
         session.print("publisher: beginning loop")
-        period, sent, due = 1 / args.rate, 0, time.monotonic()
-        while count == 0 or sent < count:
-            session.sleep(due - time.monotonic())
+        for sent in _turns(session, args, node):
             session.warn_of(warnings)
             stamp(times, *node.get_clock().now().seconds_nanoseconds())
-            sent += 1
             if args.print and sent % args.print == 0:
                 session.print(f"publishing #{sent}: {message!r}\n")
             publisher.publish(message)
-            due = max(due + period, time.monotonic() - period)  # after a stall it does not hurry to catch up
+            if sent == count:
+                break
         session.sleep(args.keep_alive)
         session.warn_of(warnings)
+
+
+def _turns(session: Session, args: Namespace, node: Any) -> Iterator[int]:
+    """Counts up: at once, then with the rate, on simulated time if that is wanted."""
+    simulated, period = clock.of_node(node), 1 / args.rate
+    now = (lambda: simulated.now() * 1e-9) if args.use_sim_time else time.monotonic
+    due = now()
+    for turn in itertools.count(1):
+        if args.use_sim_time:
+            session.until(lambda: not due - period <= now() < due, poll=SIMULATED_POLL)  # noqa: B023
+        else:
+            session.sleep(due - now())
+        yield turn
+        due += period
+        if not args.use_sim_time:
+            due = max(due, now() - period)  # after a stall it does not hurry to catch up
+        elif not 0 < due - now() <= period:  # the simulation was set forward, as at the first message, or back
+            due = now() + period
 
 
 @contextmanager
@@ -103,20 +122,20 @@ def _wait_for_subscriptions(session: Session, topic: str, publisher: Any, wanted
     def are_matched() -> bool:
         return bool(publisher.get_subscription_count() >= wanted)
 
-    ends = time.monotonic() + limit
     if session.until(are_matched, MATCH_TIME):
         return
     if suggestion := _listened_to(session, topic):
         session.warn(suggestion)
     while True:
         session.print(f"Waiting for at least {wanted} matching subscription(s)...")
-        if session.until(are_matched, min(REMIND_PERIOD, ends - time.monotonic())):
+        if session.until(are_matched, min(REMIND_PERIOD, limit)):
             return
-        if time.monotonic() >= ends:
+        if limit < REMIND_PERIOD:
             raise CommandError(
                 f"Timed out waiting for subscribers: Expected {wanted} subcribers but only got "
                 f"{publisher.get_subscription_count()} subscribers"
             )
+        limit -= REMIND_PERIOD
 
 
 def _listened_to(session: Session, topic: str) -> str | None:
@@ -128,11 +147,11 @@ def _listened_to(session: Session, topic: str) -> str | None:
 
 
 PUB = Verb(
-    "publish a message to a topic",
+    "publish what is written as YAML, once or again and again",
     _run,
     TOPICS.name,
     TOPICS.typed("message_type"),
-    yaml_values("values", "{linear: {x: 2.0}}"),
+    yaml_values("values", "{linear: {x: 2.0}}", fields_of("msg", "message_type")),
     argument("-r --rate", "so many a second (default: 1)", metavar="N", type=positive_float, default=1.0),
     argument("-p --print", "show every Nth message, none with 0 (default: 1)", metavar="N", type=whole, default=1),
     one_of(

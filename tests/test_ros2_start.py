@@ -1,0 +1,90 @@
+"""What a `ros2` command loads before it does something: each module more is time that a user waits."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from tests.domains import own_domain
+from tests.ros2_command import COMMAND
+
+# Loaded by rclpy or by the messages' classes, or by what the course does elsewhere.
+HEAVY = {"asyncio", "em", "IPython", "lark", "matplotlib", "numpy", "psutil", "rclpy.action", "rosidl_pycommon"}
+UNUSED = {"course_kit.causes.interfaces", "yaml.loader"}
+
+
+def loaded_by(*words: str) -> set[str]:
+    """The modules that a command line loads, and the packages that they are in."""
+    command = [sys.executable, "-X", "importtime", *COMMAND[1:], *words]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    names = re.findall(r"^import time: .*\| +(\S+)$", done.stderr, re.MULTILINE)
+    return {".".join(name.split(".")[:depth]) for name in names for depth in range(1, name.count(".") + 2)}
+
+
+@pytest.mark.parametrize("words", ["topic list -t", "node list", "service list", "action list"])
+def test_a_list_loads_nothing_that_it_does_not_need(words):
+    with own_domain():
+        loaded = loaded_by(*words.split())
+    assert "rclpy.node" in loaded
+    assert loaded & (HEAVY | UNUSED) == set()
+
+
+def test_a_parser_alone_loads_no_ros():
+    loaded = loaded_by("topic", "pub", "--help")
+    assert "argparse" in loaded
+    assert loaded & (HEAVY | UNUSED | {"rclpy"}) == set()
+
+
+# Says at the first import of what nodes are made of whether this process has joined the graph.
+JOINED = """
+import os, sys
+from course_kit.internals.fastdds_parts import participants_listening
+from course_kit.ros2.command import main
+
+class Look:
+    def find_spec(self, name, path=None, target=None):
+        if name == "rclpy.node":
+            there = participants_listening(int(os.environ["ROS_DOMAIN_ID"]))
+            print("joined" if there else "not yet", file=sys.stderr)
+
+sys.meta_path.insert(0, Look())
+sys.argv = ["ros2", *sys.argv[1:]]
+main()
+"""
+
+
+@pytest.mark.parametrize("words", ["topic list", "node list -a", "topic echo /nothing", "param list"])
+def test_the_graph_is_joined_before_the_rest_is_imported(words):
+    with own_domain():
+        command = [sys.executable, "-c", JOINED, *words.split()]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.stderr.splitlines()[0] == "joined"
+    assert "_joining" not in done.stdout
+
+
+LATER = """
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from course_kit.internals.import_parts import import_less
+
+import_less()
+import yaml
+import yaml.error
+
+assert "yaml.loader" not in sys.modules
+with ThreadPoolExecutor() as pool:
+    loads = list(pool.map(lambda _: yaml.safe_load, range(8)))
+assert {load("[1, {a: b}]") == [1, {"a": "b"}] for load in loads} == {True}
+from yaml import YAMLError
+
+assert YAMLError is yaml.error.YAMLError and not hasattr(yaml, "nothing")
+"""
+
+
+def test_what_is_loaded_later_is_whole_then():
+    done = subprocess.run([sys.executable, "-c", LATER], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
