@@ -8,11 +8,13 @@ import sys
 
 import pytest
 
+from tests.benchmark.child import Program
 from tests.domains import own_domain
 from tests.ros2_command import COMMAND
 
 # Loaded by rclpy or by the messages' classes, or by what the course does elsewhere.
 HEAVY = {"asyncio", "em", "IPython", "lark", "matplotlib", "numpy", "psutil", "rclpy.action", "rosidl_pycommon"}
+TRIGGER = "std_srvs/srv/Trigger"
 UNUSED = {"course_kit.causes.interfaces", "yaml.loader"}
 
 
@@ -31,6 +33,23 @@ def test_a_list_loads_nothing_that_it_does_not_need(words):
         loaded = loaded_by(*words.split())
     assert "rclpy.node" in loaded
     assert loaded & (HEAVY | UNUSED) == set()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "param get /robot_0_0 use_sim_time",
+        f"service call /robot_0_0/reset {TRIGGER}",
+        "topic echo --once /robot_0_0/state",
+        "topic pub --once -w 0 /cmd_vel geometry_msgs/msg/Twist",
+    ],
+)
+def test_no_arrays_are_loaded_where_there_are_none(words):
+    with own_domain() as domain, Program("full_graph", 0, 1, 1, domain=domain) as program:
+        program.report()
+        loaded = loaded_by(*words.split())
+    assert "rcl_interfaces.srv._get_parameters" in loaded
+    assert loaded & HEAVY == set()
 
 
 def test_a_parser_alone_loads_no_ros():
@@ -69,7 +88,7 @@ def test_the_graph_is_joined_before_the_rest_is_imported(words):
 LATER = """
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from course_kit.internals.import_parts import import_less
+from course_kit.internals.import_parts import arrays_later, import_less
 
 import_less()
 import yaml
@@ -82,6 +101,15 @@ assert {load("[1, {a: b}]") == [1, {"a": "b"}] for load in loads} == {True}
 from yaml import YAMLError
 
 assert YAMLError is yaml.error.YAMLError and not hasattr(yaml, "nothing")
+
+with arrays_later():
+    from geometry_msgs.msg import PoseWithCovariance, Twist
+Twist().linear.x = 1.0
+assert "numpy" not in sys.modules
+covariance = PoseWithCovariance().covariance
+import numpy
+
+assert type(covariance) is numpy.ndarray and len(covariance) == 36
 """
 
 

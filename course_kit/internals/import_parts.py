@@ -5,9 +5,11 @@ Without these `ros2` does what it does with them. Pure: imports no ROS.
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import sys
 import threading
+from collections.abc import Iterator
 from types import ModuleType
 
 # rosidl_generator_py, of which messages need one function, goes without it where its templates are not installed.
@@ -44,3 +46,33 @@ def import_less() -> None:
         later = importlib.util.module_from_spec(spec)
         later.__class__, later.__dict__["loaded_from"] = _Later, spec
         sys.modules[YAML] = later
+
+
+class _Numpy(ModuleType):
+    """Stands for numpy where it is imported, and loads it when it is asked for something."""
+
+    def __getattr__(self, name: str) -> object:
+        _take_away(self)
+        return getattr(importlib.import_module("numpy"), name)
+
+
+def _take_away(stand_in: ModuleType) -> None:
+    if sys.modules.get("numpy") is stand_in:
+        del sys.modules["numpy"]
+
+
+@contextlib.contextmanager
+def arrays_later() -> Iterator[None]:
+    """Have the packages of messages that the block imports load numpy when an array is made of theirs.
+
+    They all import it for the few that have arrays of a fixed length. Every service has such a message: its log of
+    calls, which is kept if one asks for it.
+    """
+    stand_in = _Numpy("numpy")
+    try:
+        if sys.modules.setdefault("numpy", stand_in) is stand_in:
+            with contextlib.suppress(ImportError):
+                importlib.import_module("service_msgs.msg")
+        yield
+    finally:
+        _take_away(stand_in)

@@ -14,6 +14,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ending.signals import put_off
+from course_kit.internals.import_parts import arrays_later
 from course_kit.kernel import in_kernel
 from course_kit.polling import wait_until
 
@@ -77,6 +78,8 @@ class Session:
 
             with put_off():
                 presence.begin()
+            with arrays_later():  # of a service, which each node has
+                pass
 
     @property
     def node(self) -> Node:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from course_kit.causes import with_cause
-from course_kit.causes.frames import is_plumbing
 
 KEPT = 200
 
@@ -29,6 +28,8 @@ class CallbackError:
     @property
     def frames(self) -> list[traceback.FrameSummary]:
         """The student's part of the traceback: without rclpy and the course's own frames."""
+        from course_kit.causes.frames import is_plumbing  # looks for all of Python's folders
+
         frames = traceback.extract_tb(self.exception.__traceback__)
         own = [f for f in frames if not is_plumbing(Path(f.filename))]
         return own or [f for f in frames if not _is_of_executors(Path(f.filename))]

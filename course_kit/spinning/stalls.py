@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from course_kit.causes.frames import is_library, is_plumbing
-
 LONG = 5.0  # seconds that a callback may take before anything is said
 
 
@@ -36,6 +34,8 @@ class Stall:
 
 def look(thread: threading.Thread, before: Stall | None) -> Stall | None:
     """The callback that runs in a thread, where `before` is what was seen at the last look; None if none runs."""
+    from course_kit.causes.frames import is_library, is_plumbing  # looks for all of Python's folders
+
     frame = sys._current_frames().get(thread.ident or 0)
     own: list[FrameType] = []
     while frame is not None:

@@ -19,6 +19,7 @@ SECTIONS = (
     "turtle",
     "panel",
     "ros2",
+    "verbs",
     "bags",
     "setup",
     "students",

@@ -8,6 +8,7 @@ import sys
 from argparse import Namespace
 from typing import Any
 
+from course_kit.internals.import_parts import arrays_later
 from course_kit.ros2.messages.values import NotYaml, parse, populate
 from course_kit.ros2.verbs import CommandError, did_you_mean, failing
 
@@ -31,7 +32,7 @@ def interface_class(name: str, kind: str) -> Any:
         parts.insert(1, kind)
     found = None
     if len(parts) == 3 and parts[1] in _PARTS and all(part.isidentifier() for part in parts):
-        with contextlib.suppress(ImportError):
+        with arrays_later(), contextlib.suppress(ImportError):
             found = getattr(importlib.import_module(f"{parts[0]}.{parts[1]}"), parts[2], None)
     is_type = isinstance(found, type)
     if is_type and parts[1] == kind and all(hasattr(found, part) for part in _PARTS[kind]):

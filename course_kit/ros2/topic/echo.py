@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import Any
 
+from course_kit.internals.import_parts import arrays_later
 from course_kit.ros2.messages.shown import SHOWN, shown
 from course_kit.ros2.named import TOPICS
 from course_kit.ros2.session import Session
@@ -63,7 +64,7 @@ def _message_class(session: Session, args: Namespace) -> Any:
         session.graph()
         return kind
     name = endpoints.type_of(session, args.topic_name, waits=False)
-    with failing(ImportError, ValueError, say=lambda _: f"The message type '{name}' is invalid"):
+    with arrays_later(), failing(ImportError, ValueError, say=lambda _: f"The message type '{name}' is invalid"):
         return topics.message_class(name)
 
 
