@@ -132,6 +132,11 @@ class Station:
         """The subscriptions to a topic that count."""
         return [e for e in topics.subscriptions(self.node, topic) if self._is_theirs(e)]
 
+    def is_published_by_the_answer(self, topic: str) -> bool:
+        """Whether the answer publishes a topic, be it under the name of a node of the checker's."""
+        ids = [bytes(each.endpoint_gid) for each in topics.publishers(self.node, topic)]
+        return any(self.counts(one) and not self.is_own(one) for one in ids)
+
     def _is_theirs(self, endpoint: Any) -> bool:
         is_named = topics.node_name(endpoint) not in self.mine and not endpoint.node_name.startswith("_")
         return is_named and self.counts(bytes(endpoint.endpoint_gid))

@@ -239,6 +239,15 @@ class TurtlesRotations:
         self.goals: list[Rotation] = []
         self._before = len(self._heard)
 
+    def require_one_server(self) -> None:
+        """The answer has no server of the turtle's action itself, which would answer the same goals."""
+        require(
+            "the turtle alone serves its action",
+            not current().stage.is_published_by_the_answer(f"{ROTATE}/_action/status"),
+            f"Your node has an ActionServer of `{ROTATE}` too: a goal goes to both, and either's answer comes first. "
+            "It sends the goal to the turtle; end the server.",
+        )
+
     def _note(self, name: str, goal: float) -> Rotation:
         rotation = self._rotate(name, goal)
         self.goals.append(rotation)

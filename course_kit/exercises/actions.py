@@ -48,6 +48,7 @@ def face_west() -> None:
         wait(lambda: rotations.goals[-1].outcome, 8.0, "the end of the turn")
         wrong.append(_not_kept(rotations))
         goals.append(list(rotations.goals))
+    rotations.require_one_server()
     asked = ["; ".join(f"{math.degrees(goal.goal):.0f}°" for goal in each) for each in goals]
     expect(
         "one goal has it look west",

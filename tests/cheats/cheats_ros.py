@@ -185,6 +185,7 @@ CHEATS += [
         "actions-1",
         "Take the name of the checker's simulator, and turn nothing.",
         OWN_TURTLE,
+        says="Your node has an ActionServer of `/turtle1/rotate_absolute` too",
     ),
     Cheat(
         "no_class",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import os
@@ -166,8 +167,10 @@ print(sorted(name for name in seen.get_node_names() if not name.startswith("_"))
 def workers() -> Iterator[str]:
     """The address of a Dask cluster of four worker processes."""
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(n_workers=4, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
-        yield cluster.scheduler_address
+    cluster = distributed.LocalCluster(n_workers=4, threads_per_worker=1, processes=True, dashboard_address=None)
+    yield cluster.scheduler_address
+    with contextlib.suppress(TimeoutError):  # Dask gives the workers seconds to end, too few on a busy machine
+        cluster.close()
 
 
 @SLOW
