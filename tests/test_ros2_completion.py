@@ -12,10 +12,13 @@ from pathlib import Path
 import pytest
 
 from course_kit.interface_types import message_class
+from course_kit.polling import wait_until
 from course_kit.ros2.interface.field_completion import Fillable, continuations
 from course_kit.ros2.interface.interface import definition, types
 from course_kit.ros2.messages.values import parse, populate
 from course_kit.ros2.messages.yaml_text import to_dict
+from course_kit.spinning import context
+from course_kit.watching import instruments
 from tests.domains import own_domain
 from tests.ros2_command import COMMAND, program
 from tests.terminal import Terminal
@@ -87,6 +90,20 @@ def completions(line: str, folder: Path, *python: str, log: Path = Path(os.devnu
 def test_tab_offers_what_fits(line, expected, tmp_path):
     (tmp_path / "own.launch.py").write_text(LAUNCH_FILE)
     assert completions(line, tmp_path) == expected
+
+
+def test_tab_leaves_the_graph_and_does_not_vanish_from_it(tmp_path):
+    try:
+        node = instruments.node()
+
+        def participants() -> int:
+            return len(node.get_publishers_info_by_topic("ros_discovery_info", no_mangle=True))
+
+        assert wait_until(lambda: participants() == 2, 10)  # the world's, and this one
+        assert completions("ros2 topic info /ro", tmp_path)
+        assert wait_until(lambda: participants() == 2, 2), "others wait for it, for as long as its lease lasts"
+    finally:
+        context.stop()
 
 
 def test_fields_are_offered_without_ros_and_without_numpy(tmp_path):

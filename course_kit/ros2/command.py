@@ -160,14 +160,14 @@ def main() -> NoReturn:
         status = 1
     except SystemExit as ending:  # the usage was printed, or SIGTERM came
         status = int(ending.code or 0)
-    _end(status)
+    end(status)
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
     raise SystemExit(128 + number)
 
 
-def _end(status: int) -> NoReturn:
+def end(status: int) -> NoReturn:
     """Leave the graph, then the process, without waiting for what Python tidies up at its end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C must not keep the node in the graph
     with contextlib.suppress(OSError):  # its reader, or its terminal, has gone

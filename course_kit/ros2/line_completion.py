@@ -10,7 +10,7 @@ import shlex
 from argcomplete import CompletionFinder
 from argcomplete.lexers import split_line
 
-from course_kit.ros2.command import parser_for
+from course_kit.ros2.command import end, parser_for
 
 _YAML = re.compile(r"(?<=\s)\{[^'\\]*$")
 
@@ -68,4 +68,7 @@ def answer_shell() -> None:
     if _is_zsh() and (begun := _YAML.search(line)):  # it leaves out the quote that is open
         line = f"{line[: begun.start()]}'{begun[0]}"
     os.environ.update(COMP_LINE=line, COMP_POINT=str(len(line)))
-    _Finder()(parser_for(split_line(line)[3][1:]))
+    try:
+        _Finder()(parser_for(split_line(line)[3][1:]), exit_method=end)
+    finally:
+        end(1)  # an answer that failed must leave the graph, too
