@@ -99,9 +99,13 @@ def test_tab_leaves_the_graph_and_does_not_vanish_from_it(tmp_path):
         def participants() -> int:
             return len(node.get_publishers_info_by_topic("ros_discovery_info", no_mangle=True))
 
-        assert wait_until(lambda: participants() == 2, 10)  # the world's, and this one
-        assert completions("ros2 topic info /ro", tmp_path)
-        assert wait_until(lambda: participants() == 2, 2), "others wait for it, for as long as its lease lasts"
+        def leaves() -> bool:
+            assert wait_until(lambda: participants() == 2, 10)  # the world's, and this one
+            assert completions("ros2 topic info /ro", tmp_path)
+            return wait_until(lambda: participants() == 2, 2)
+
+        # One goodbye may be lost on its way.
+        assert any(leaves() for _ in range(3)), "others wait for it, for as long as its lease lasts"
     finally:
         context.stop()
 
