@@ -303,7 +303,7 @@ def test_a_file_of_another_name_is_known_by_its_beginning(prefix: Prefix) -> Non
         path.write_text(text)
         with RunningGroup("launch", path, environment=prefix.environment) as running:
             assert logged(running) == ["here"]
-            assert (f"launch file [{path}] is deprecated: it is old" in running.text) == warns
+            assert (f"{path} is out of date: it is old" in running.text) == warns
 
 
 @pytest.mark.parametrize("kind", TURTLES)
