@@ -81,6 +81,7 @@ SECONDS = {
     "test_graph_plots": 33,
     "test_ros2_transcripts": 31,
     "test_ros2_graph": 31,
+    "test_ros2_service_echo": 30,
     "test_environment_failures": 31,
     "test_discovery": 29,
     "test_kernel": 29,

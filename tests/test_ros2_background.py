@@ -79,7 +79,7 @@ def test_a_verb_goes_on_under_its_cell_and_stop_ends_it(kernel: Kernel) -> None:
     assert until_shown(kernel, measure, r"^■ ros2 topic hz /chatter --window 20 stopped")
     assert until_shown(kernel, talk, "^■ ros2 topic pub .* stopped")
     assert none_left(processes)
-    assert kernel.value("hz") == "<ros2, stopped>"
+    kernel.until(lambda: kernel.value("hz") == "<ros2, stopped>")
 
 
 def test_its_button_and_its_view_end_a_launch_as_ctrl_c_does(kernel: Kernel) -> None:
