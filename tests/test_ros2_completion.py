@@ -19,14 +19,13 @@ from course_kit.ros2.messages.values import parse, populate
 from course_kit.ros2.messages.yaml_text import to_dict
 from course_kit.spinning import context
 from course_kit.watching import instruments
-from tests.domains import own_domain
 from tests.ros2_command import COMMAND, program
 from tests.terminal import Terminal
 
 
 @pytest.fixture(scope="module", autouse=True)
-def world() -> Iterator[None]:
-    with own_domain(), program("tests.ros2_transcripts.world"):
+def world(fresh_domain: None) -> Iterator[None]:
+    with program("tests.ros2_transcripts.world"):
         yield
 
 

@@ -13,11 +13,11 @@ from std_msgs.msg import String
 
 from course_kit.background.running import running
 from course_kit.ros2.doctor.hello import GROUP, PORT
-from tests.domains import own_domain
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.usefixtures("fresh_domain")
 HELLO = "hello, it's me elsewhere"
 TABLE = r"""MULTIMACHINE COMMUNICATION SUMMARY
 Topic: {topic}, Published Msg Count: (\d+)
@@ -28,12 +28,6 @@ Received from:
                 Hostname             Msg Count /{period}s
 ((?:.*\n)*?)------------------------------------------------------------
 """
-
-
-@pytest.fixture(scope="module", autouse=True)
-def domain() -> Iterator[None]:
-    with own_domain():
-        yield
 
 
 class Elsewhere(Node):

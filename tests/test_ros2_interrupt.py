@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import shlex
 import signal
@@ -180,6 +181,8 @@ def run_interrupted(words: list[str], begun: str, turtle: Node, output: io.Strin
             signal.pthread_kill(main, signal.SIGINT)
 
     thread = threading.Thread(target=interrupt)
+    gc.collect()  # an interrupt in a destructor of what other tests have left is lost
+    gc.disable()
     thread.start()
     try:
         status = command.run(words)
@@ -187,6 +190,7 @@ def run_interrupted(words: list[str], begun: str, turtle: Node, output: io.Strin
     finally:
         has_ended.set()
         thread.join()
+        gc.enable()
     return status, (ended - sent[0] if sent and sent[0] < ended else None)
 
 

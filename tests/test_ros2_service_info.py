@@ -12,7 +12,6 @@ from std_srvs.srv import SetBool
 
 from course_kit.background.running import running
 from course_kit.bags.types import type_hash
-from tests.domains import own_domain
 from tests.ros2_command import program, ros2
 
 KIND = "std_srvs/srv/SetBool"
@@ -50,8 +49,8 @@ class Lamp(Node):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def world() -> Iterator[None]:
-    with own_domain(), program("tests.ros2_transcripts.world"), running(Lamp):
+def world(fresh_domain: None) -> Iterator[None]:
+    with program("tests.ros2_transcripts.world"), running(Lamp):
         yield
 
 

@@ -185,7 +185,6 @@ CHEATS += [
         "actions-1",
         "Take the name of the checker's simulator, and turn nothing.",
         OWN_TURTLE,
-        says="Your node has an ActionServer of `/turtle1/rotate_absolute` too",
     ),
     Cheat(
         "no_class",
