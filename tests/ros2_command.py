@@ -21,14 +21,19 @@ FORKS = multiprocessing.get_context("forkserver")
 FORKS.set_forkserver_preload(["tests.ros2_forks_from"])
 
 
+# What is said of a look at the graph that takes long, which on a busy machine any may.
+LATE = "Waiting for process ", "Waiting for a process of another user", "Waiting for topics and services of which nodes"
+
+
 @dataclass(frozen=True)
 class Outcome:
-    """What a command line printed, and its exit status."""
+    """What a command line printed, and its exit status; `late` is what stderr says of those it waited for."""
 
     out: str
     err: str
     status: int
     seconds: float
+    late: str = ""
 
 
 def ros2(*words: str, interrupt_after: float | None = None, **environment: str) -> Outcome:
@@ -44,7 +49,10 @@ def ros2(*words: str, interrupt_after: float | None = None, **environment: str) 
             os.kill(process.pid, signal.SIGKILL if interrupt_after is None else signal.SIGINT)
         process.join(TIMEOUT)
         assert process.exitcode is not None, f"`ros2 {' '.join(words)}` does not end"
-        return Outcome(out.read(), err.read(), process.exitcode, time.monotonic() - began)
+        said = err.read().splitlines(keepends=True)
+        late = "".join(line for line in said if line.startswith(LATE))
+        other = "".join(line for line in said if not line.startswith(LATE))
+        return Outcome(out.read(), other, process.exitcode, time.monotonic() - began, late)
 
 
 @contextmanager

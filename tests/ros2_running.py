@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO
 
 from course_kit.polling import wait_until
-from tests.ros2_command import COMMAND, TIMEOUT, Outcome
+from tests.ros2_command import COMMAND, LATE, TIMEOUT, Outcome
 
 
 class Running:
@@ -55,7 +55,8 @@ class Running:
 
     def _gather(self, stream: IO[str], lines: list[str]) -> None:
         for line in stream:
-            lines.append(line)
+            if not line.startswith(LATE):
+                lines.append(line)
             if stream is self.process.stdout and not self._reads:
                 stream.close()
                 return

@@ -137,7 +137,7 @@ def test_a_log_console_that_cannot_be_drawn_is_said_to_stand_still(kernel: Kerne
     cell = kernel.run("panel = watch_logs()\npanel.shown = lambda: 1 / 0")
     kernel.until(lambda: "stands still: ZeroDivisionError: " in of_view(kernel, cell), 20)
     assert "Run its cell again to go on." in of_view(kernel, cell)
-    assert kernel.value("panel.is_running") == "False"
+    kernel.until(lambda: kernel.value("panel.is_running") == "False", 20)
 
 
 def test_the_log_console_keeps_a_still_of_what_it_shows_and_its_widgets_end_with_it(kernel: Kernel) -> None:

@@ -59,8 +59,8 @@ def test_a_list_that_waits_says_for_whom(domain, stock):
         finally:
             os.kill(hung.pid, signal.SIGCONT)
         assert listed.status == 0
-        (line,) = listed.err.splitlines()
+        (line,) = listed.late.splitlines()
         assert line.startswith("Waiting for process ")
         assert f"process {hung.pid} (" in line
         assert "warm_nodes" in line
-        wait_until(lambda: "/warm_0_0" in (told := ros2("node", "list")).out and not told.err)
+        wait_until(lambda: "/warm_0_0" in (told := ros2("node", "list")).out and not told.late)

@@ -112,7 +112,8 @@ class Session:
         node = self.node
         spin_time: float | None = getattr(self._args, "spin_time", None)
         known = discovery.of(node, keep=self.in_notebook)
-        known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time, self.warn)
+        say_late = None if self.in_notebook else self.warn  # a saved output must not depend on how busy a machine is
+        known.wait(discovery.WHOLE_TIMEOUT if spin_time is None else spin_time, say_late)
         return node
 
     def named(self, noun: str, with_hidden: bool = False) -> Mapping[str, Sequence[str]]:
