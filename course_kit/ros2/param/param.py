@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from course_kit.ros2.completion import node_names, parameter_names
-from course_kit.ros2.param.files import VALUES, nested, read
+from course_kit.ros2.param.files import PARAMETERS, VALUES, nested, read
 from course_kit.ros2.param.services import call, list_parameters
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import (
@@ -172,7 +172,7 @@ def _dump(args: Namespace, session: Session) -> None:
     names = list_parameters(session, node)
     values = call(session, node, "get_parameters", names=names).values
     parameters = dict(zip(names, map(value_of, values), strict=False))
-    session.print(yaml.dump({node: {"ros__parameters": nested(parameters)}}, default_flow_style=False))
+    session.print(yaml.dump({node: {PARAMETERS: nested(parameters)}}, default_flow_style=False))
 
 
 def _load(args: Namespace, session: Session) -> None:
