@@ -165,7 +165,8 @@ def add_three_times() -> None:
 
 def _check_that_it_only_passes_on(adder: Adder, server: Server, client: Client, request: dict[str, int]) -> None:
     """The server now adds wrong, by which one sees who has added; the request is one that it knows."""
-    server.delay, adder.too_much = 0.0, chance().randint(1, 9)
+    wrong = [one for one in range(1, 10) if sum(request.values()) + one]  # a first sum of 0 shows no addition
+    server.delay, adder.too_much = 0.0, chance().choice(wrong)
     before = len(server.responses)
     brought = _sum(client.ask(**request))
     told = [response.sum for response in server.responses[before:]]
