@@ -144,6 +144,7 @@ def main() -> NoReturn:
     """Entry point of the `ros2` program."""
     import_less()
     if "_ARGCOMPLETE" in os.environ:
+        importlib.import_module("course_kit.ros2.completion").join_ahead(os.environ.get("COMP_LINE", ""))
         importlib.import_module("course_kit.ros2.line_completion").answer_shell()
     words = sys.argv[1:]
     if "--use-python-default-buffering" not in words:

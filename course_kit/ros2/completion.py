@@ -17,6 +17,7 @@ from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import BACKGROUND
 
 KINDS = {"topic": "msg", "service": "srv", "action": "action"}  # what an interface of each is called in a package
+OF_GRAPH = {*KINDS, "lifecycle", "node", "param"}  # commands whose verbs take names from the graph, first or second
 
 
 class _Silent(Session):
@@ -28,6 +29,13 @@ class _Silent(Session):
 
     def warn(self, text: str) -> None:
         """Say nothing."""
+
+
+def join_ahead(line: str) -> None:
+    """Join the graph if what may follow this line is probably there, before the line is parsed: only to be quicker."""
+    *words, begun = line.split() if not line[-1:].isspace() else [*line.split(), ""]
+    if words[1:2] and words[1] in OF_GRAPH and len(words) in (3, 4) and not begun.startswith("-"):
+        Session(Namespace()).join()
 
 
 def offering(names: Callable[[Namespace], Iterable[str]]) -> Callable[..., list[str]]:

@@ -25,6 +25,15 @@ NOTE = (
 NODE, SERVICE, ACTION = "/robot_0_0", "/robot_0_0/reset", "/robot_0_0/count"
 TRIGGER, FIBONACCI, SCAN = "std_srvs/srv/Trigger", "example_interfaces/action/Fibonacci", "sensor_msgs/msg/LaserScan"
 LIMITS = {"topic list": 0.30}
+TABS = [
+    "topic info /",
+    "node info /",
+    f"param get {NODE} ",
+    "service call /",
+    "action send_goal /",
+    "topic pub /scan sen",
+]
+TAB_LIMIT = 0.30  # seconds
 LAUNCH_FILE = """
 from launch import LaunchDescription
 from launch.actions import ExecuteProcess
@@ -108,6 +117,9 @@ def rows(quick: bool) -> Iterator[Row]:
             verb = " ".join(word for word in words[:2] if "." not in word and word != BAG)
             what = f"ros2 {verb}{' *' if goes_on else ''}"
             yield at_most(what, "s", median, LIMITS[verb]) if verb in LIMITS else Row(what, "s", None, median)
+        for line in TABS:
+            median = statistics.median(_seconds_to_names(f"ros2 {line}", folder, domain) for _ in range(runs))
+            yield at_most(f"Tab after `ros2 {line}`", "s", median, TAB_LIMIT)
 
 
 def _seconds(words: Sequence[str], folder: Path, domain: int, run: int = 0) -> float:
@@ -120,6 +132,19 @@ def _seconds(words: Sequence[str], folder: Path, domain: int, run: int = 0) -> f
     if done.returncode not in (0, 1):
         raise RuntimeError(f"`ros2 {' '.join(words)}` failed: {done.stderr}")
     return time.monotonic() - began
+
+
+def _seconds_to_names(line: str, folder: Path, domain: int) -> float:
+    """From a press of Tab behind a line to what it offers."""
+    offered = folder / "offered"
+    of_shell = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "COMP_TYPE": "9"}
+    variables = {**environment(domain), **of_shell, "_ARGCOMPLETE_STDOUT_FILENAME": str(offered)}
+    began = time.monotonic()
+    subprocess.run(command([]), cwd=folder, env=variables, check=False, timeout=60)
+    seconds = time.monotonic() - began
+    if not offered.read_text():
+        raise RuntimeError(f"Tab after `{line}` offers nothing")
+    return seconds
 
 
 def _seconds_to_first_line(words: Sequence[str], folder: Path, domain: int, run: int) -> float:
