@@ -22,6 +22,8 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64, Float64MultiArray, String, UInt8
+from geometry_msgs.msg import PointStamped, TransformStamped
+from tf2_ros import Buffer, TransformBroadcaster, TransformListener
 from course_kit import run, stop, wait_for
 
 class Base(Node):
@@ -55,6 +57,20 @@ class Worker(Base):
             self.is_sent = True
             self.client.send_goal_async(Fibonacci.Goal(order=3))
 """
+
+
+FRAMES = """
+buffer = Buffer()
+for child, parent, seconds in (("base", "odom", 5), ("base", "odom", 6), ("laser", "mast", 5)):
+    link = TransformStamped(child_frame_id=child)
+    link.header.frame_id, link.header.stamp.sec, link.transform.rotation.w = parent, seconds, 1.0
+    buffer.set_transform(link, "a test")
+"""
+
+
+def lookup(target: str, source: str, seconds: int) -> str:
+    """A cell that looks up a transform among a base in odom, known from second 5 to 6, and a laser on a mast."""
+    return f"{FRAMES}buffer.lookup_transform({target!r}, {source!r}, rclpy.time.Time(seconds={seconds}))"
 
 
 class Case(NamedTuple):
@@ -524,6 +540,63 @@ CASES = (
         begin("self.declare_parameter('speed', 1.0)\nself.get_parameter('speed') * 2"),
         "get_parameter() gives the parameter, and its value is in .value",
         "ros2/rclpy#321",
+    ),
+    # Transforms.
+    Case(
+        "frame that nobody sends",
+        lookup("map", "base", 0),
+        "No transform that names map has come to this buffer",
+        "mgonzs13/yolo_ros#21",
+    ),
+    Case(
+        "two trees of frames",
+        lookup("odom", "laser", 0),
+        "odom and laser are both known, but no transform leads from the tree of one to that of the other",
+        "appliedAI-Initiative/orb_slam_2_ros#134",
+    ),
+    Case(
+        "transform of a moment to come",
+        lookup("odom", "base", 7),
+        "The transform for that moment has not come yet, and tf2 does not guess: ask for rclpy.time.Time()",
+        "ros-perception/perception_pcl#416",
+    ),
+    Case(
+        "transform of a moment before",
+        lookup("odom", "base", 4),
+        "The moment is before all that the buffer has heard, and it keeps 10 s",
+        "ros2/geometry2#608",
+    ),
+    Case(
+        "frames in a loop",
+        FRAMES.replace('("laser", "mast", 5)', '("odom", "base", 6), ("laser", "mast", 5)')
+        + "buffer.lookup_transform('mast', 'base', rclpy.time.Time())",
+        "Each frame has one parent, and the way up ends at one that has none",
+        "rai-opensource/spot_ros2#374",
+    ),
+    Case(
+        "slash before a frame",
+        lookup("/odom", "base", 0),
+        "Frames have no slash before their names in ROS 2: write 'odom'",
+        "ros-simulation/stage_ros#68",
+    ),
+    Case(
+        "type that is not registered",
+        f"{FRAMES}point = PointStamped()\npoint.header.frame_id = 'base'\nbuffer.transform(point, 'odom')",
+        "A buffer does not know the types of geometry_msgs by itself: write import tf2_geometry_msgs",
+        "ros2/geometry2#701",
+    ),
+    Case(
+        "rotation of zeros",
+        "class X(Base):\n    def begin(self):\n        self.buffer = Buffer()\n"
+        "        self.listener = TransformListener(self.buffer, self)\n"
+        "        self.broadcaster = TransformBroadcaster(self)\n"
+        "        self.create_timer(0.2, self.tick)\n\n"
+        "    def tick(self):\n        link = TransformStamped(child_frame_id='base')\n"
+        "        link.header.frame_id = 'odom'\n        link.transform.rotation.w = 0.0\n"
+        "        self.broadcaster.sendTransform(link)\n",
+        "no turn is rotation.w = 1.0",
+        "robomechanics/quad-sdk#346",
+        is_raised=False,
     ),
     # Names and imports.
     Case(

@@ -78,8 +78,15 @@ def test_a_compiler_on_the_path_passes(tmp_path):
 
 
 def test_nothing_is_compiled_that_a_sourced_ros_brings(jazzy):
-    assert interpreter.interfaces_to_compile(None) == ["example_interfaces", "turtlesim"]
-    assert interpreter.interfaces_to_compile(jazzy) == ["turtlesim"]
+    assert interpreter.interfaces_to_compile(None) == ["example_interfaces", "nav2_msgs", "tf2_msgs", "turtlesim"]
+    assert interpreter.interfaces_to_compile(jazzy) == ["nav2_msgs", "tf2_msgs", "turtlesim"]
+
+
+def test_nothing_is_installed_that_a_sourced_ros_brings(jazzy):
+    assert {"example_interfaces", "tf2_msgs", "tf2_ros_py"} <= set(interpreter.packages_to_install(None))
+    Path(jazzy.prefix, "share/ament_index/resource_index/packages/tf2_ros_py").touch()
+    beside = interpreter.packages_to_install(jazzy)
+    assert "tf2_geometry_msgs" in beside and not {"example_interfaces", "tf2_ros_py"} & set(beside)
 
 
 def test_an_active_conda_environment_warns():

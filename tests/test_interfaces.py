@@ -22,6 +22,9 @@ HASHES = {
     "turtlesim/msg/Pose": "739beba26bcba6920404ba722b7b8321348512f92ea5be235c47251940dd8aa9",
     "example_interfaces/srv/AddTwoInts": "e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a",
     "example_interfaces/action/Fibonacci": "9508051da1ea4658de144b09bd0690ff3de52104683d847aed764d2915906f51",
+    "tf2_msgs/msg/TFMessage": "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
+    "tf2_msgs/srv/FrameGraph": "0d1fbc6222c018ba5f33822904a2fdd4063705289956d3fdde07cd8c50fe8067",
+    "nav2_msgs/action/NavigateToPose": "a56dba8a3234a1215e610180dc703ae25bbf406dded8b54887891c9732857eab",
 }
 NUMBERS = ["Float32", "Float64", "Int8", "Int16", "Int32", "Int64", "UInt8", "UInt16", "UInt32", "UInt64"]
 NAMES = {
@@ -38,6 +41,8 @@ NAMES = {
         "srv": ["Kill", "SetPen", "Spawn", "TeleportAbsolute", "TeleportRelative"],
         "action": ["RotateAbsolute"],
     },
+    "tf2_msgs": {"msg": ["TF2Error", "TFMessage"], "srv": ["FrameGraph"], "action": ["LookupTransform"]},
+    "nav2_msgs": {"action": ["NavigateToPose"]},  # the one that the course uses
 }
 
 

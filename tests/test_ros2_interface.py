@@ -214,7 +214,7 @@ def test_package_names_the_types_of_a_package(lab, capsys):
 def test_packages_names_those_that_have_a_kind(lab, capsys):
     everything = printed(capsys, "packages")[0].split()
     assert everything == sorted(everything) and "lab" in everything and "bare" not in everything
-    assert printed(capsys, "packages", "-a")[0] == "example_interfaces\nturtlesim\n"
+    assert printed(capsys, "packages", "-a")[0] == "example_interfaces\nnav2_msgs\ntf2_msgs\nturtlesim\n"
     assert "std_srvs" not in printed(capsys, "packages", "-m")[0].split()
 
 

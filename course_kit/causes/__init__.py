@@ -11,10 +11,17 @@ if TYPE_CHECKING:
 
 def _rules() -> tuple[Rule, ...]:
     """All rules; loaded when an error is to be explained, for whatever starts ROS could have one."""
-    from course_kit.causes import callbacks, interfaces, names, nodes, parameters
+    from course_kit.causes import callbacks, interfaces, names, nodes, parameters, transforms
 
     least_telling = names.RULES
-    return (*nodes.RULES, *callbacks.RULES, *interfaces.RULES, *parameters.RULES, *least_telling)
+    return (
+        *nodes.RULES,
+        *callbacks.RULES,
+        *interfaces.RULES,
+        *parameters.RULES,
+        *transforms.RULES,
+        *least_telling,
+    )
 
 
 def cause_of(error: BaseException) -> str:
@@ -32,10 +39,11 @@ def cause_of(error: BaseException) -> str:
 
 
 def cause_of_line(text: str) -> str:
-    """The cause and the cure of what rclpy logs, where it raises nothing."""
-    from course_kit.causes import callbacks
+    """The cause and the cure of what rclpy or tf2 logs, where it raises nothing."""
+    from course_kit.causes import callbacks, transforms
 
-    return next((sentence for beginning, sentence in callbacks.LOGGED if text.startswith(beginning)), "")
+    logged = (*callbacks.LOGGED, *transforms.LOGGED)
+    return next((sentence for beginning, sentence in logged if text.startswith(beginning)), "")
 
 
 def with_cause(text: str, error: BaseException) -> str:

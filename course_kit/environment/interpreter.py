@@ -25,6 +25,7 @@ from course_kit.environment.activation import RosInstallation, has_package, sour
 
 OLDEST, NEWEST = (3, 10), (3, 13)  # the ROS 2 wheels exist for these
 INTERFACES = Path(__file__).resolve().parents[1] / "interfaces"
+KINDS = ("msg", "srv", "action")
 WRONG_VERSION, LACKS_PACKAGES = 3, 4
 TIMEOUT = 30.0
 
@@ -51,10 +52,15 @@ def supported(version: Sequence[int], ros: RosInstallation | None) -> bool:
     return OLDEST <= tuple(version[:2]) <= NEWEST
 
 
-def interfaces_to_compile(ros: RosInstallation | None) -> list[str]:
-    """The interface packages that no sourced ROS 2 brings."""
+def packages_to_install(ros: RosInstallation | None) -> list[str]:
+    """The ROS packages of the course that no sourced ROS 2 brings."""
     names = sorted(path.parent.name for path in INTERFACES.glob("*/package.xml"))
     return [name for name in names if ros is None or not has_package(ros.prefix, name)]
+
+
+def interfaces_to_compile(ros: RosInstallation | None) -> list[str]:
+    """Those of them that define interfaces."""
+    return [name for name in packages_to_install(ros) if any((INTERFACES / name / kind).is_dir() for kind in KINDS)]
 
 
 def apt_package(version: Sequence[int], part: str) -> str:

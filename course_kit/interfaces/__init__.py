@@ -1,1 +1,1 @@
-"""Definitions of messages, services and actions that ROS 2's wheels do not bring, compiled at install."""
+"""ROS packages that no wheel brings: their definitions of interfaces are compiled at install."""

@@ -1,4 +1,4 @@
-"""What happens at `pip install`: dependencies from the lock, and the ROS interfaces compiled into the wheel."""
+"""What happens at `pip install`: dependencies from the lock, and ROS packages that no wheel brings in the course's."""
 
 from __future__ import annotations
 
@@ -17,12 +17,15 @@ sys.path.insert(0, str(ROOT))
 
 from course_kit.environment import compiler, pins  # noqa: E402
 from course_kit.environment.activation import has_package, sourced_ros  # noqa: E402
-from course_kit.environment.interpreter import INTERFACES, interfaces_to_compile  # noqa: E402
+from course_kit.environment.interpreter import INTERFACES, interfaces_to_compile, packages_to_install  # noqa: E402
 from course_kit.interfaces import rosidl  # noqa: E402
 
 PREFIX = ROOT / "course_kit" / "environment" / "prefix"
 # The generators and the linker need these; their versions are those of the lock.
-BUILD_WHEELS = ("ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "ros-action-msgs", "empy", "numpy")
+BUILD_WHEELS = (
+    "ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "ros-action-msgs", "ros-geometry-msgs", "empy",
+    "numpy",
+)  # fmt: skip
 # Gives every Python of the environment what sourcing would. Python reads .pth files in the order of their names: this
 # after the editable install's own, which starts with an underscore, and before ros_wheels_bootstrapper.pth, which
 # restarts Python.
@@ -44,22 +47,22 @@ class RosMetadata(MetadataHookInterface):
         metadata["scripts"] = {**ours, "course": "course_kit.course_command:main"}
 
 
-class Interfaces(BuildHookInterface):
-    """Compile the interface packages that no sourced ROS 2 brings, for the Python that runs this."""
+class Packages(BuildHookInterface):
+    """Install the ROS packages that no sourced ROS 2 brings; interfaces are compiled for the Python that runs this."""
 
-    def packages(self) -> dict[str, Path]:
+    def interfaces(self) -> dict[str, Path]:
         """{name: folder} of what has to be compiled."""
         return {name: INTERFACES / name for name in interfaces_to_compile(sourced_ros(os.environ))}
 
     def dependencies(self) -> list[str]:
         """The packages that compiling needs."""
-        if not self.packages():
+        if not self.interfaces():
             return []
         has_compiler = compiler.of_the_machine(os.environ)
         return pins.versions(BUILD_WHEELS if has_compiler else (*BUILD_WHEELS, compiler.WHEEL))
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Compile the interfaces and add them to the wheel."""
+        """Compile the interfaces and add the packages to the wheel."""
         work = ROOT / "build" / f"rosidl-{sysconfig.get_config_var('SOABI')}"
         work.mkdir(parents=True, exist_ok=True)
         include, shared = {str(STARTUP): STARTUP.name}, build_data["shared_data"]
@@ -67,13 +70,16 @@ class Interfaces(BuildHookInterface):
             shared[str(path)] = str(path.relative_to(PREFIX))
         if pins.compiler_is_wanted(os.environ):
             shared |= self._tools(work / "compiler")
-        packages = self.packages()
-        if packages:
-            for name, folder in self._compiled(packages, work).items():
+        interfaces = self.interfaces()
+        if interfaces:
+            for name, folder in self._compiled(interfaces, work).items():
                 modules = [p for p in sorted(folder.rglob("*")) if p.suffix in (".py", ".so")]
                 include |= {str(p): f"{name}/{p.relative_to(folder)}" for p in modules}
-                shared |= self._share(name, packages[name], work)
             self._force_platform_tag(build_data)
+        for name in packages_to_install(sourced_ros(os.environ)):
+            python = INTERFACES / name / "python"  # what is imported by its name; its code is in course_kit
+            include |= {str(p): str(p.relative_to(python)) for p in sorted(python.rglob("*.py"))}
+            shared |= self._share(name, INTERFACES / name, work)
         build_data["shared_data"] = shared
         build_data["force_include_editable" if version == "editable" else "force_include"].update(include)
 
@@ -108,8 +114,10 @@ class Interfaces(BuildHookInterface):
         share |= {str(p): f"share/{name}/launch/{p.name}" for p in sorted((source / "launch").glob("*.launch.*"))}
         # What `ros2 run` and launch files start: scripts that call course_kit.
         share |= {str(p): f"lib/{name}/{p.name}" for p in sorted((source / "lib").glob("*"))}
-        listing = "".join(f"{p.relative_to(source)}\n" for p in files)
-        for kind, text in (("packages", ""), ("rosidl_interfaces", listing)):
+        markers = {"packages": ""}
+        if files:
+            markers["rosidl_interfaces"] = "".join(f"{p.relative_to(source)}\n" for p in files)
+        for kind, text in markers.items():
             marker = work / f"{kind}-{name}"
             marker.write_text(text)
             share[str(marker)] = f"share/ament_index/resource_index/{kind}/{name}"

@@ -14,6 +14,7 @@ import importlib
 import json
 import multiprocessing
 import os
+import re
 import subprocess
 import sysconfig
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -24,7 +25,7 @@ from course_kit.environment import compiler
 from course_kit.environment.compiler import Compiler
 
 KINDS = ("msg", "srv", "action")
-# Services and actions use types of these packages without naming them in their definition.
+# Services and actions use types of these packages without naming them in their definition; package.xml names others.
 DEPENDENCIES = ("action_msgs", "builtin_interfaces", "service_msgs", "unique_identifier_msgs")
 FASTRTPS = "rosidl_typesupport_fastrtps_c"
 INTROSPECTION = "rosidl_typesupport_introspection_c"
@@ -37,6 +38,13 @@ def ros_prefix() -> Path:
     return Path(str(module.__file__)).resolve().parents[4]
 
 
+def dependencies(source: Path) -> list[str]:
+    """The packages whose types one with this folder may use, each once."""
+    manifest = source / "package.xml"
+    named = re.findall(r"<depend>\s*(\w+)\s*</depend>", manifest.read_text()) if manifest.exists() else []
+    return list(dict.fromkeys((*DEPENDENCIES, *named)))
+
+
 def build(packages: dict[str, Path], work: Path) -> dict[str, Path]:
     """Build packages {name: folder with msg/, srv/, action/}; return {name: folder to install as a module}.
 
@@ -46,7 +54,7 @@ def build(packages: dict[str, Path], work: Path) -> dict[str, Path]:
     work = work.resolve()
     work.mkdir(parents=True, exist_ok=True)
     tools = compiler.find(work)
-    return _compile(_generate(packages, work), tools, work)
+    return _compile(packages, _generate(packages, work), tools, work)
 
 
 Generated = dict[str, dict[str, list[str]]]  # package -> generator -> files written
@@ -80,7 +88,7 @@ def _describe(package: str, source: Path, work: Path) -> dict[str, dict[str, Any
         "package_name": package,
         "idl_tuples": [f"{out}:{idl}" for idl in idls],
         "ros_interface_files": [str(source / file) for file in files],
-        "include_paths": [f"{name}:{share / name}" for name in DEPENDENCIES],
+        "include_paths": [f"{name}:{share / name}" for name in dependencies(source)],
         "target_dependencies": [],
         "output_dir": str(out),
     }
@@ -120,7 +128,7 @@ def _write_visibility_header(generator: str, package: str, out: Path) -> None:
     header.write_text(text.replace("@PROJECT_NAME@", package))
 
 
-def _compile(generated: Generated, compiler: Compiler, work: Path) -> dict[str, Path]:
+def _compile(packages: dict[str, Path], generated: Generated, compiler: Compiler, work: Path) -> dict[str, Path]:
     """Compile and link what the generators wrote."""
     numpy = importlib.import_module("numpy")
     prefix = ros_prefix()
@@ -148,7 +156,10 @@ def _compile(generated: Generated, compiler: Compiler, work: Path) -> dict[str, 
             for package, files in generated.items()
         }
         compiled = {p: [[f.result() for f in group] for group in groups] for p, groups in objects.items()}
-    return {package: _link(package, groups, compiler, work) for package, groups in compiled.items()}
+    return {
+        package: _link(package, groups, dependencies(packages[package]), compiler, work)
+        for package, groups in compiled.items()
+    }
 
 
 def _sources(package: str, files: dict[str, list[str]], work: Path) -> list[list[Path]]:
@@ -173,14 +184,14 @@ def _sources(package: str, files: dict[str, list[str]], work: Path) -> list[list
     return [fastrtps, introspection, python]
 
 
-def _link(package: str, objects: list[list[str]], compiler: Compiler, work: Path) -> Path:
+def _link(package: str, objects: list[list[str]], used: list[str], compiler: Compiler, work: Path) -> Path:
     """Link the three libraries of a package into its module folder."""
     folder = work / "rosidl_generator_py" / package
     (folder / "__init__.py").touch()
     library_folder = ros_prefix() / "lib"
 
     def of_dependencies(*kinds: str) -> list[str]:
-        return [f"{dependency}__{kind}" for dependency in DEPENDENCIES for kind in kinds]
+        return [f"{dependency}__{kind}" for dependency in used for kind in kinds]
 
     def link(name: str, objects: list[str], own: list[str], libraries: list[str]) -> None:
         # Own libraries are needed at run time although no symbol of them is used: --no-as-needed.

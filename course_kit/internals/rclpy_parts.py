@@ -68,6 +68,11 @@ def choose_default_context(chosen: Callable[[], Context | None]) -> None:
 # What its loggers, clients and executors keep to themselves.
 
 
+def nameless_logger() -> RcutilsLogger:
+    """A logger without a name, as programs in C have one where there is no node yet."""
+    return RcutilsLogger("")
+
+
 def end_child_loggers(name: str) -> None:
     """Take the child loggers of a node's logger off /rosout, as the node ends.
 
