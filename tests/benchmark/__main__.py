@@ -17,6 +17,8 @@ SECTIONS = (
     "recorder",
     "rates",
     "turtle",
+    "robot",
+    "physics",
     "panel",
     "ros2",
     "verbs",
