@@ -20,9 +20,10 @@ from course_kit.figures import PAPER, contrast
 from course_kit.ros_graph.graph import qos_data
 from course_kit.ros_graph.graph_cards import Card, cards
 from course_kit.ros_graph.graph_data import Channel, Endpoint, GraphNode, Parameter, Qos, Snapshot
+from course_kit.ros_graph.graph_drawing import INKS, LOOKS, TROUBLE, WIRE, text_width
 from course_kit.ros_graph.graph_layers import Box, Line
 from course_kit.ros_graph.graph_layout import Layout, lay_out
-from course_kit.ros_graph.graph_plots import INKS, LOOKS, TROUBLE, WIRE, WIRES, draw_graph, text_width
+from course_kit.ros_graph.graph_plots import WIRES, draw_graph
 from course_kit.ros_graph.matching import explanations, mismatch, parts, qos_reasons
 from tests import graphs
 from tests.graphs import BEST_EFFORT, LATCHED, TEXT, channel, snapshot

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,21 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import serialize_message
+from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header, String
+from tf2_msgs.msg import TFMessage
+from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
-from course_kit.scene.scene import Frames, layer, matrix, scene
+from course_kit.recordings.buffers import MessageBuffer
+from course_kit.recordings.topic_recording import TopicRecording
+from course_kit.scene.frames import Frames
+from course_kit.scene.scene import layer, matrix, scene
 from course_kit.scene.scene_plots import FREE, NOT_KNOWN, OCCUPIED, plot_scene, shades
 from course_kit.spinning import context
 from course_kit.watching import topics
+from tests.waiting import wait_until
 
 
 def turned(yaw: float) -> Quaternion:
@@ -120,6 +129,77 @@ def test_transforms_are_followed_over_several_frames() -> None:
     assert placed(*chain, scan(1.0), frame="map").layers[0].points[0, :2] == pytest.approx([16, 0])
 
 
+def moved(parent: str, child: str, x: float, stamp: float, yaw: float = 0.0) -> TransformStamped:
+    message = TransformStamped(header=at(stamp, parent), child_frame_id=child)
+    message.transform.translation.x, message.transform.rotation = x, turned(yaw)
+    return message
+
+
+def at(stamp: float, frame: str) -> Header:
+    return Header(frame_id=frame, stamp=Time(seconds=stamp).to_msg())
+
+
+def recording(topic: str, messages: Sequence[Any]) -> TopicRecording:
+    buffer = MessageBuffer([topic])
+    append = buffer.appender(topic)
+    for number, message in enumerate(messages):
+        append(serialize_message(message), number)
+    return TopicRecording(topic, type(messages[0]), buffer.snapshot(topic), 0)
+
+
+def test_a_layer_is_put_where_its_frame_was_at_its_stamp() -> None:
+    """The robot drives a metre and turns by a right angle between 10 s and 12 s; half of both at 11 s."""
+    drive = [moved("odom", "base_link", 1.0, 10.0), moved("odom", "base_link", 2.0, 12.0, math.pi / 2)]
+    fixed = [moved("base_link", "laser", 0.5, 0.0)]
+    for stamp, expected in {
+        10.0: (2.5, 0.0),
+        11.0: (1.5 + 1.5 * math.cos(math.pi / 4), 1.5 * math.sin(math.pi / 4)),
+        12.0: (2.0, 1.5),
+        0.0: (2.0, 1.5),  # without a stamp: where it is last
+    }.items():
+        seen = scan(1.0, frame="laser")
+        seen.header = at(stamp, "laser")
+        both = placed(*drive, *fixed, seen, frame="odom")
+        assert both.layers[0].points[0, :2] == pytest.approx(expected, abs=1e-6)
+        assert both.notes == []
+
+
+def test_a_layer_whose_moment_is_not_known_is_drawn_and_named() -> None:
+    drive = [moved("odom", "base_link", 1.0, 10.0), moved("odom", "base_link", 2.0, 12.0)]
+    for stamp, x, told in ((13.5, 3.0, "1.50 s later than the last"), (9.75, 2.0, "0.25 s earlier than the first")):
+        seen = scan(1.0)
+        seen.header = at(stamp, "base_link")
+        both = placed(*drive, seen, frame="odom")
+        assert both.layers[0].points[0, 0] == pytest.approx(x)
+        note = f"layer 2 is {told} that is known of 'base_link' in 'odom': drawn as if it were still so"
+        assert both.notes == [note]
+        # Links that are above both frames do not matter.
+        assert len(placed(moved("map", "odom", 0.0, 1.0), moved("map", "odom", 0.0, 2.0), *drive, seen).notes) == 0
+
+
+def test_a_transform_counts_more_than_an_odometry() -> None:
+    odometry = Odometry(header=at(10.0, "odom"), child_frame_id="base_link")
+    odometry.pose.pose = pose(5.0, 0.0)
+    transforms = [moved("odom", "base_footprint", 1.0, 10.0), moved("base_footprint", "base_link", 0.0, 0.0)]
+    assert placed(odometry, *transforms, scan(1.0), frame="odom").layers[1].points[0, 0] == pytest.approx(2.0)
+
+
+def test_all_of_a_recording_of_tf_tells_where_frames_were() -> None:
+    drive = [TFMessage(transforms=[moved("odom", "base_link", step * 0.1, 10 + step * 0.1)]) for step in range(21)]
+    static = [TFMessage(transforms=[moved("base_link", "laser", 0.5, 0.0)])]
+    seen = scan(1.0, frame="laser")
+    seen.header = at(11.05, "laser")
+    told = repr(plot_scene(recording("/tf", drive), recording("/tf_static", static), scan=seen, frame="odom"))
+    assert "Frame 'laser' is at (1.55, 0.00) m" in told and "Frame 'base_link' is at (1.05, 0.00) m" in told
+
+
+def test_frames_that_are_near_each_other_are_drawn_as_one() -> None:
+    parts = [moved("base_link", f"part_{number}", 0.01 * number, 0.0) for number in range(5)]
+    figure = plot_scene(*parts, moved("odom", "base_link", 1.0, 0.0), scan(2.0, 1.0), frame="odom")
+    (label,) = figure.axes[0].texts
+    assert label.get_text() == "base_link\nand 5 more"
+
+
 def test_a_layer_of_another_frame_is_left_out_and_named_in_one_line() -> None:
     figure = plot_scene(grid=grid(), scan=scan(1.0))
     below = figure.get_supxlabel()
@@ -187,3 +267,38 @@ def test_topics_are_drawn_by_name_a_latched_map_too() -> None:
     labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]  # type: ignore[union-attr]
     assert labels == ["/map: free", "occupied", "unknown", "hits (2 hits)"]
     assert figure._repr_png_()[0].startswith(b"\x89PNG")
+
+
+def test_what_tf_says_meanwhile_places_a_topic() -> None:
+    """A robot drives at 1 m/s along x; its laser stands 0.5 m before it, and hits a wall at 9 m, from where it is."""
+    context.start()
+    node = Node("robot")
+    scans, frames = node.create_publisher(LaserScan, "/scan", 10), TransformBroadcaster(node)
+    StaticTransformBroadcaster(node).sendTransform(moved("base_link", "laser", 0.5, 0.0))
+    ended = threading.Event()
+
+    def drive() -> None:
+        x = 0.0
+        while not ended.wait(0.02):
+            x = (x + 0.02) % 4.0
+            now = node.get_clock().now().nanoseconds * 1e-9
+            frames.sendTransform(moved("odom", "base_link", x, now))
+            seen = scan(8.5 - x, frame="laser")
+            seen.header = at(now, "laser")
+            scans.publish(seen)
+
+    thread = threading.Thread(target=drive)
+    thread.start()
+
+    def wall() -> float:
+        """Where the wall is drawn."""
+        figure = plot_scene("/scan", frame="odom", timeout=20.0)
+        (hits,) = [line for line in figure.axes[0].get_lines() if line.get_label() == "/scan (1 hits)"]
+        return float(np.asarray(hits.get_xdata())[0])
+
+    try:  # on a busy machine the first scan may come before the first transform
+        wait_until(lambda: wall() == pytest.approx(9.0, abs=1e-3))
+    finally:
+        ended.set()
+        thread.join()
+        node.destroy_node()

@@ -88,14 +88,14 @@ def _node_card(node: GraphNode, measure: Measure) -> Card:
     for one in node.parameters or ():
         shown = textwrap.shorten(f"{one.name}: {one.value}", LONGEST, placeholder="…")
         rows.append((f"{shown}  {one.type}", SMALL, "detail"))
-    texts, height = _rows(rows, PAD_Y)
-    width = _width(texts, measure) + 2 * PAD_X
-    port = _rows(rows[:1], PAD_Y)[1] / 2 if len(rows) > 1 else height / 2
+    texts, height = stacked(rows, PAD_Y)
+    width = widest(texts, measure) + 2 * PAD_X
+    port = stacked(rows[:1], PAD_Y)[1] / 2 if len(rows) > 1 else height / 2
     box = Box(f"node {node.name}", node.namespace, True, width, height, (port,))
     return Card(box, "node", texts, [(0.0, height)], is_broken=node.count > 1)
 
 
-def _rows(rows: Iterable[tuple[str, float, str]], top: float) -> tuple[list[Text], float]:
+def stacked(rows: Iterable[tuple[str, float, str]], top: float) -> tuple[list[Text], float]:
     """Lines of text below one another, and where the next thing may begin."""
     texts, y = [], top
     for text, size, role in rows:
@@ -104,7 +104,8 @@ def _rows(rows: Iterable[tuple[str, float, str]], top: float) -> tuple[list[Text
     return texts, y + PAD_Y
 
 
-def _width(texts: list[Text], measure: Measure) -> float:
+def widest(texts: list[Text], measure: Measure) -> float:
+    """The width in inches that these texts take."""
     return max(text.x - PAD_X + measure(text.text, text.size, text.role == "name") for text in texts)
 
 
@@ -124,7 +125,7 @@ def _channel_card(channel: Channel, split: list[Part], group: str, detailed: boo
             rows += [(line, SMALL, "detail") for line in lines]
         if note and n == 0 and (detailed or not is_unheard):  # that nobody listens the end of the line says too
             rows.append((note, SMALL, "detail" if is_unheard else "trouble"))
-        written, y = _rows(rows, y + PAD_Y)
+        written, y = stacked(rows, y + PAD_Y)
         if not detailed:
             first = written[0]
             beside = first.x + measure(name, NAME, True) + 0.08
@@ -135,10 +136,10 @@ def _channel_card(channel: Channel, split: list[Part], group: str, detailed: boo
             lines = [piece for line in reasons[:4] for piece in textwrap.wrap(line, WRAP, subsequent_indent="   ")]
             if len(reasons) > 4:
                 lines.append(f"   and {len(reasons) - 4} more")
-            written, y = _rows([(line, SMALL, "trouble") for line in lines], y + PAD_Y)
+            written, y = stacked([(line, SMALL, "trouble") for line in lines], y + PAD_Y)
             texts += written
     ports = tuple((top + bottom) / 2 for top, bottom in cuts)
-    box = Box(f"{channel.kind} {channel.name}", group, False, _width(texts, measure) + 2 * PAD_X, y, ports)
+    box = Box(f"{channel.kind} {channel.name}", group, False, widest(texts, measure) + 2 * PAD_X, y, ports)
     return Card(box, channel.kind, texts, cuts, bool(reasons), bool(note))
 
 

@@ -1,7 +1,8 @@
 """What messages say about the plane: scans, paths, maps and poses as points in one frame. Pure numpy, no ROS.
 
 Frames follow REP 103: x forward, y left, z up, angles counter-clockwise. A message lies in the frame of its header;
-messages that say where another frame is (Odometry, TransformStamped, TFMessage) make layers of both frames fit.
+messages that say where another frame is (Odometry, TransformStamped, TFMessage) make layers of both frames fit. What
+they say of the moment of a layer is tf2's affair, course_kit/tf.
 """
 
 from __future__ import annotations
@@ -14,7 +15,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from course_kit.scene.frames import Frames, stamp_of
+from course_kit.tf.link import NEVER
+
 Float64s = npt.NDArray[np.float64]
+NEAR = 100_000_000  # ns beyond what is known of a frame, from which it is said
 UNKNOWN = -1  # of a map's cells; 0 is free for certain, 100 occupied for certain
 
 
@@ -30,6 +35,7 @@ class Layer:
     cells: npt.NDArray[np.int8] | None = None  # shape (height, width): [0, 0] is the corner at the map's origin
     resolution: float = 0.0  # m, the side of a cell
     note: str = ""  # what is odd about it
+    stamp: int = NEVER  # ns; when it was so, NEVER if that is not said
 
     def placed(self, where: Float64s, frame: str) -> Layer:
         """The same in another frame; `where` is the pose of its own there, as a matrix."""
@@ -117,46 +123,13 @@ READERS: dict[str, Callable[[Any, str], Layer]] = {
         _points, lambda message: [*message.polygon.points, *message.polygon.points[:1]]
     ),
 }
-TRANSFORMS = ("geometry_msgs/msg/TransformStamped", "tf2_msgs/msg/TFMessage")
 
 
 def layer(message: Any, type_name: str, label: str) -> Layer:
     """The layer of a message. ValueError for a type that has no place in the plane."""
     if type_name not in READERS:
         raise ValueError(f"{label} is a {type_name}: plot_scene() draws {', '.join(READERS)}")
-    return READERS[type_name](message, label)
-
-
-class Frames:
-    """Where frames are, as far as messages tell."""
-
-    def __init__(self) -> None:
-        self._links: dict[str, dict[str, Float64s]] = {}
-
-    def add(self, message: Any, type_name: str) -> None:
-        """Learn from a message; one that says nothing about frames changes nothing."""
-        if type_name == "nav_msgs/msg/Odometry" and message.child_frame_id:
-            self._link(message.header.frame_id, message.child_frame_id, _of_pose(message.pose.pose))
-        elif type_name in TRANSFORMS:
-            for one in getattr(message, "transforms", None) or [message]:
-                place = matrix(one.transform.translation, one.transform.rotation)
-                self._link(one.header.frame_id, one.child_frame_id, place)
-
-    def _link(self, parent: str, child: str, place: Float64s) -> None:
-        self._links.setdefault(parent, {})[child] = place
-        self._links.setdefault(child, {})[parent] = np.asarray(np.linalg.inv(place), np.float64)
-
-    def places(self, inside: str) -> dict[str, Float64s]:
-        """The poses in a frame, as matrices, of the frames to which messages lead from it."""
-        found = {inside: np.eye(4)}
-        waiting = [inside]
-        while waiting:
-            current = waiting.pop(0)
-            for name, place in self._links.get(current, {}).items():
-                if name not in found:
-                    found[name] = found[current] @ place
-                    waiting.append(name)
-        return {name: found[name] for name in self._links if name in found}
+    return replace(READERS[type_name](message, label), stamp=stamp_of(message))
 
 
 @dataclass(frozen=True)
@@ -170,24 +143,41 @@ class Scene:
 
 
 def scene(layers: list[Layer], frames: Frames, frame: str | None = None) -> Scene:
-    """Put layers into `frame`, or that of the first. ValueError if none of them can be put there."""
-    inside = frame or next((one.frame for one in layers if one.frame), "")
+    """Put layers into `frame`, or that of the first, each where it was at its stamp. ValueError if none can be put."""
+    inside = _frame_of(layers, frame)
     drawn: list[Layer] = []
     notes = [f"{one.label}: {one.note}" for one in layers if one.note]
-    places = frames.places(inside)
     apart: dict[str, list[str]] = {}
     for one in layers:
         if not one.frame and inside:
             notes.append(f"{one.label} has no frame_id: drawn as if it were in '{inside}'")
-        place = np.eye(4) if one.frame in ("", inside) else places.get(one.frame)
-        if place is None:
+        if one.frame in ("", inside):
+            drawn.append(one.placed(np.eye(4), inside))
+        elif (place := frames.place(inside, one.frame, one.stamp)) is None:
             apart.setdefault(one.frame, []).append(one.label)
         else:
             drawn.append(one.placed(place, inside))
+            if late := frames.beyond(inside, one.frame, one.stamp, NEAR):
+                notes.append(f"{one.label} is {late}: drawn as if it were still so")
     notes += [
         f"not drawn: {', '.join(labels)} in frame '{name}', and no message says where that is in '{inside}'"
         for name, labels in apart.items()
     ]
     if not drawn:
         raise ValueError("; ".join(notes) or "there is nothing to draw: give messages or topics")
+    places = frames.places(inside, max(one.stamp for one in layers)) if inside else {}
     return Scene(inside, drawn, {inside: np.eye(4), **places} if inside else {}, notes)
+
+
+def is_known(layers: list[Layer], frames: Frames, frame: str | None = None) -> bool:
+    """Whether the frames tell where each layer was at its stamp."""
+    inside = _frame_of(layers, frame)
+    return all(
+        frames.place(inside, one.frame, one.stamp) is not None and not frames.beyond(inside, one.frame, one.stamp)
+        for one in layers
+        if one.frame not in ("", inside)
+    )
+
+
+def _frame_of(layers: list[Layer], frame: str | None) -> str:
+    return frame or next((one.frame for one in layers if one.frame), "")

@@ -15,17 +15,18 @@ from matplotlib.transforms import Affine2D
 from course_kit.alternative_text import span
 from course_kit.arguments import TEXT, WAIT, takes
 from course_kit.figures import COLOURS, FAINT, INK, LINES, PANEL, Plot, style
-from course_kit.recordings.recording import Recording, record
-from course_kit.recordings.topic_recording import TopicRecording
-from course_kit.scene.scene import TRANSFORMS, UNKNOWN, Float64s, Frames, Layer, Scene, layer, scene
-from course_kit.text import numbered
-from course_kit.watching import topics
+from course_kit.polling import wait_until
+from course_kit.scene.frames import TRANSFORMS, Float64s, Frames
+from course_kit.scene.given import listening, messages
+from course_kit.scene.scene import UNKNOWN, Layer, Scene, is_known, layer, scene
 
 # Free, occupied and unknown cells; the ground outside a map is white, so free is not.
 FREE, OCCUPIED, NOT_KNOWN = "#e9eef4", "#15181c", "#a9aca6"
 WIDTH, TALLEST = 7.6, 8.0  # inches
+TRANSFORM_TIMEOUT, LOOK = 1.0, 0.05  # seconds for the transforms of a scan to come after it, and between two looks
 ARROWS = 60  # poses of a path or an array that have an arrow, at most
 X_AXIS, Y_AXIS = "#c0392b", "#1e8449"  # of frames: red and green as everywhere in ROS
+NEAR, NAMES = 0.04, 2  # share of the picture within which frames are drawn as one, and how many names that has
 ORDER = {"grid": 0, "scan": 1, "points": 2, "path": 3, "poses": 4}
 
 
@@ -38,38 +39,27 @@ def plot_scene(
     Takes LaserScan, Path, OccupancyGrid, PoseArray, PoseStamped, PoseWithCovarianceStamped, Odometry, PointStamped and
     PolygonStamped messages, topics of these (the next message is waited for, up to `timeout` seconds) and recordings
     of them (the last message). A keyword is the layer's name. `frame` is that of the first layer unless given; a layer
-    in another frame is put in its place if an Odometry, TransformStamped or TFMessage among the messages says where
-    that is, else left out, which one line below the figure says. Raises ValueError if nothing can be drawn.
+    in another frame is put where that was at the layer's stamp, as tf2 has it: by Odometry, TransformStamped and
+    TFMessage messages, all those of a recording of them, and, where topics are given, /tf and /tf_static. If none of
+    them tells, it is left out, which one line below the figure says. Raises ValueError if nothing can be drawn.
     """
-    messages = _messages([*((None, one) for one in shown), *named.items()], timeout)
-    frames, layers = Frames(), []
-    for label, message in messages:
-        kind = topics.type_name(type(message))
-        frames.add(message, kind)
-        if kind not in TRANSFORMS:
-            layers.append(layer(message, kind, label))
-    return draw_scene(scene(layers, frames, frame), title)
+    given = [*((None, one) for one in shown), *named.items()]
+    with listening([one for _, one in given if isinstance(one, str)]) as heard:
+        found = messages(given, timeout)
+        layers = [
+            layer(message, kind, one.label) for one in found for message, kind in [one.last()] if kind not in TRANSFORMS
+        ]
 
+        def frames() -> Frames:
+            known = Frames()
+            for one in (*found, *heard()):
+                for message in one.telling:
+                    known.add(message, one.kind, one.topic.endswith("tf_static"))
+            return known
 
-def _messages(given: list[tuple[str | None, Any]], timeout: float) -> list[tuple[str, Any]]:
-    """Each message with its label, those that occur twice numbered: of topics and recordings too."""
-    wanted = [topics.absolute(one) for _, one in given if isinstance(one, str)]
-    came = record(*wanted, count=1, timeout=timeout) if wanted else None
-    found: list[tuple[str, Any]] = []
-    for label, one in given:
-        if isinstance(one, str) and came is not None:
-            found.append((label or topics.absolute(one), came[one].messages[-1]))
-        elif isinstance(one, Recording | TopicRecording):
-            recorded = [one] if isinstance(one, TopicRecording) else list(one)
-            filled = [of_topic for of_topic in recorded if len(of_topic)]
-            if not filled:
-                raise ValueError(f"the recording of {', '.join(r.topic for r in recorded)} is empty")
-            found += [(label or of_topic.topic, of_topic.messages[-1]) for of_topic in filled]
-        elif hasattr(one, "get_fields_and_field_types"):
-            found.append((label or type(one).__name__, one))
-        else:
-            raise TypeError(f"plot_scene() draws messages, topics and recordings, not {type(one).__name__}")
-    return list(zip(numbered([label for label, _ in found]), (message for _, message in found), strict=True))
+        if heard():
+            wait_until(lambda: is_known(layers, frames(), frame), min(timeout, TRANSFORM_TIMEOUT), LOOK)
+        return draw_scene(scene(layers, frames(), frame), title)
 
 
 def draw_scene(placed: Scene, title: str | None = None) -> Plot:
@@ -90,8 +80,8 @@ def draw_scene(placed: Scene, title: str | None = None) -> Plot:
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
     axes.set_aspect("equal")
-    for name, place in placed.axes.items():
-        _draw_axes(axes, name, place)
+    for places in _together(placed.axes, NEAR * max(width, height)):
+        _draw_axes(axes, places)
     columns = min(4, len(handles))
     rows = -(-len(handles) // columns)
     axes.legend(
@@ -224,9 +214,24 @@ def _limits(placed: Scene) -> tuple[Float64s, Float64s]:
     return low - room, high + room
 
 
-def _draw_axes(axes: Axes, name: str, place: Float64s) -> None:
-    """The axes of a frame, x red and y green, if its origin is in sight."""
+def _together(places: dict[str, Float64s], near: float) -> list[dict[str, Float64s]]:
+    """Frames whose names would lie on one another, as the parts of a robot do, each group by its first."""
+    groups: list[dict[str, Float64s]] = []
+    for name, place in places.items():
+        first = (next(iter(group.values())) for group in groups)
+        for group, other in zip(groups, first, strict=False):
+            if np.hypot(*(place[:2, 3] - other[:2, 3])) < near:
+                group[name] = place
+                break
+        else:
+            groups.append({name: place})
+    return groups
+
+
+def _draw_axes(axes: Axes, places: dict[str, Float64s]) -> None:
+    """The axes of the first of frames that are near each other, x red and y green, if that is in sight."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    place = next(iter(places.values()))
     x, y = place[:2, 3]
     if not (left <= x <= right and low <= y <= high):
         return
@@ -234,8 +239,11 @@ def _draw_axes(axes: Axes, name: str, place: Float64s) -> None:
     for column, colour in ((0, X_AXIS), (1, Y_AXIS)):
         end = place[:2, 3] + length * place[:2, column]
         axes.plot([x, end[0]], [y, end[1]], color=colour, linewidth=2.4, solid_capstyle="round", zorder=4.2)
+    names = [*places]
+    if len(names) > NAMES:
+        names[1:] = [f"and {len(names) - 1} more"]
     box = {"facecolor": PANEL, "edgecolor": LINES, "alpha": 0.85, "boxstyle": "round,pad=0.15", "linewidth": 0.6}
     axes.annotate(
-        name, (x, y), xytext=(-5, -6), textcoords="offset points", ha="right", va="top", fontsize=8, color=INK,
-        zorder=7, bbox=box,
+        "\n".join(names), (x, y), xytext=(-5, -6), textcoords="offset points", ha="right", va="top", fontsize=8,
+        color=INK, zorder=7, bbox=box,
     )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -15,10 +16,12 @@ from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from course_kit.ending.exit_timer import ExitTimer
 from course_kit.ending.signals import asking_to_end
 
+SIGNAL_TIMEOUT = 0.1  # seconds until a signal is looked at where no message comes
 END_TIMEOUT = 3.0  # seconds for leaving ROS; a launch waits 5 before its next signal
 NodeType = TypeVar("NodeType", bound=Node)
 
@@ -28,6 +31,24 @@ def spin(name: str, node_class: Callable[[], Node], args: list[str] | None) -> N
     with program(name, node_class, args) as (_, executor, asked):
         while not asked:
             executor.spin_once(timeout_sec=1)
+
+
+def spin_for(executor: SingleThreadedExecutor, asked: list[int], seconds: float) -> None:
+    """Run callbacks for some seconds, or until a signal has asked for the end."""
+    deadline = time.monotonic() + seconds
+    while not asked and (left := deadline - time.monotonic()) > 0:
+        executor.spin_once(timeout_sec=min(left, SIGNAL_TIMEOUT))
+
+
+def own_words(name: str, args: list[str] | None) -> list[str]:
+    """What a command line (or args) has besides ROS's own arguments, without the program's name.
+
+    Arguments that ROS does not take end the program with one line and exit status 1.
+    """
+    try:
+        return list(remove_ros_args(sys.argv if args is None else args)[1:])
+    except RuntimeError as error:
+        sys.exit(f"{name} cannot start: {error}")
 
 
 @contextmanager
