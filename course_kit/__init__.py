@@ -27,6 +27,7 @@ MODULES = {
     "live.logs": ("watch_logs",),
     "live.rates": ("watch_rates",),
     "live.resources": ("watch_resources",),
+    "live.robot": ("show_robot",),
     "live.values": ("watch_values",),
     "node_logs.log_directory": ("log_files",),
     "node_logs.rosout": ("logs", "log_rates"),
@@ -44,6 +45,7 @@ MODULES = {
     "scene.scene_plots": ("plot_scene",),
     "series.value_plots": ("plot_values",),
     "series.value_series": ("values", "save_csv"),
+    "tf_tools.frame_plots": ("plot_frames",),
 }
 EXPORTS = {name: module for module, names in MODULES.items() for name in names}
 __all__ = sorted(EXPORTS)

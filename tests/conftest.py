@@ -53,6 +53,7 @@ SECONDS = {
     "test_cheat_sheet": 110,
     "test_checker": 90,
     "test_turtle_in_browser": 110,
+    "test_robot_in_browser": 120,
     "test_browser_start": 80,
     "exercises of services": 80,
     "test_definitions": 79,
@@ -74,10 +75,13 @@ SECONDS = {
     "test_ros2_interrupt": 36,
     "test_ros2_launch_end": 36,
     "test_recording": 34,
+    "test_robot_view": 28,
     "test_ros2_calls": 34,
+    "test_robot_node": 30,
     "test_bad_input": 25,
     "test_full_disk": 23,
     "test_ros2_generated_input": 34,
+    "test_tf_tools": 35,
     "test_graph_plots": 33,
     "test_ros2_transcripts": 31,
     "test_ros2_graph": 31,
@@ -94,6 +98,7 @@ SECONDS = {
     "test_internals_rclpy": 23,
     "test_overlay": 23,
     "test_ros2_launch": 18,
+    "test_tf_ros": 16,
 }
 SHORT = 8
 CHANGED_LIMIT = 110  # of the two minutes that --changed may take, without the start

@@ -56,6 +56,7 @@ CELLS = {
     "form": "from course_kit import show_form\nform = show_form('/turtle1/cmd_vel')",
     "verb": "hz = %ros2 topic hz /turtle1/pose --background",
     "turtle": "from course_kit.live.turtle import drive\npanel = drive()",
+    "robot": "from course_kit import show_robot\nfrom course_kit.robot import Robot\nview = show_robot(run(Robot))",
     "figure": "plot_graph()",
     "pose": "plot_pose(record('/turtle1/pose', count=30))",
     "pyplot": "import matplotlib.pyplot as plt\nplt.plot([1, 2])\nplt.title('by hand')\nplt.show()",
@@ -63,8 +64,8 @@ CELLS = {
 }
 ALTERNATIVE = {
     "values": "/turtle1/pose.x: ",
-    "live-graph": "3 nodes, 4 topics, ",
-    "figure": "3 nodes, 4 topics, ",
+    "live-graph": "4 nodes, 14 topics, ",
+    "figure": "4 nodes, 14 topics, ",
     "pose": "Path of /turtle1/pose: ",
     "pyplot": "by hand, a line with 2 points: ",
     "picture": "The turtles' field: turtle1 at (5.54, 5.54) m",
@@ -175,6 +176,7 @@ def test_each_picture_has_its_alternative_text(lab: Lab, name: str) -> None:
         ("form", 8),
         ("verb", 2),
         ("turtle", 2),
+        ("robot", 4),
         ("verdict", 4),
         ("report", 3),
         ("rates", 4),
@@ -219,7 +221,7 @@ def focused(lab: Lab) -> str | None:
     return lab.page.evaluate("() => document.activeElement?.dataset?.control ?? null")  # type: ignore[no-any-return]
 
 
-@pytest.mark.parametrize(("name", "least"), [("log-console", 5), ("turtle", 5), ("form", 8), ("verb", 1)])
+@pytest.mark.parametrize(("name", "least"), [("log-console", 5), ("turtle", 5), ("robot", 3), ("form", 8), ("verb", 1)])
 def test_tab_reaches_every_control_and_leaves_them_again(lab: Lab, name: str, least: int) -> None:
     there = controls(lab, name)
     assert len(there) >= least

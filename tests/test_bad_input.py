@@ -28,6 +28,7 @@ from course_kit.calls.sequences import plot_calls
 from course_kit.calls.service_calls import calls_of
 from course_kit.colcon.install_plots import plot_install
 from course_kit.live.turtle import drive
+from course_kit.robot import Robot
 from course_kit.ros_graph.action_plots import plot_action
 from course_kit.turtlesim import TurtleSim
 
@@ -135,6 +136,14 @@ def turtle(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 ROWS = [
     Row(course_kit.run, Idle, executor=or_none(NO_RECORDING)),
     Row(course_kit.run, place0=[None, 3, "talker", [], {}, math.nan, HALF, object(), int, str]),
+    Row(
+        course_kit.run,
+        Robot,
+        world=[*NO_TEXT, None, "", "mars"],
+        seed=[*or_none(NO_NUMBER), -1, 1.5, 10**30],
+        start=[3, "here", {}, object(), (0.0, 0.0), (0.0, 0.0, math.nan), [HALF] * 3, (1e9, 0.0, 0.0)],
+        factor=[*or_none(NO_NUMBER), -1, math.nan, math.inf, 10**400],
+    ),
     Row(course_kit.stop, place0=[*NO_NODE, None, {}, "no_such_node", int]),
     Row(course_kit.wait_for, lambda: False, timeout=NO_TIME, what=NO_TEXT),
     Row(course_kit.wait_for, place0=[None, 3, "x", [], {}, math.nan]),
@@ -191,8 +200,11 @@ ROWS = [
         frame=or_none(NO_TEXT),
         timeout=NO_TIME,
     ),
+    Row(course_kit.plot_frames, place0=or_none(NO_RECORDING)),
+    Row(course_kit.plot_frames, seconds=NO_SPAN, namespace=NO_NAMESPACE),
     Row(course_kit.plot_graph, node=[*NO_NODE, "no_such_node"], namespace=NO_NAMESPACE),
     Row(course_kit.show_graph, node=[*NO_NODE, "no_such_node"], namespace=NO_NAMESPACE),
+    Row(course_kit.show_robot, place0=[*NO_NAMESPACE, None, {}, int, Idle]),
     Row(course_kit.record_resources, seconds=or_none(NO_SPAN), period=NO_SPAN),
     Row(course_kit.values, f"{POSE}.x", seconds=NO_SPAN, timeout=NO_TIME, source=[3, [], {}, "", HALF, object()]),
     Row(
@@ -311,6 +323,7 @@ WAITING: dict[str, Callable[[], Any]] = {
     "record a count": lambda: course_kit.record(POSE, count=10**6, timeout=60.0),
     "values": lambda: course_kit.values("/nobody.x", timeout=60.0),
     "plot_scene": lambda: course_kit.plot_scene("/nobody", timeout=60.0),
+    "plot_frames": lambda: course_kit.plot_frames(seconds=60.0),
     "record_resources": lambda: course_kit.record_resources(seconds=60.0),
     "process": lambda: THINGS["process"].wait(60.0),
     "plot_values": lambda: course_kit.plot_values(f"{POSE}.x", seconds=60.0),

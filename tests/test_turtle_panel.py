@@ -5,13 +5,13 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from tests.kernel import Kernel, Message, kernel_after
+from tests.widget_cell import WIDGET, WidgetCell
 
 SET_UP = """
 import time
@@ -22,7 +22,6 @@ from course_kit.watching import instruments
 turtlesim = run(TurtleSim)
 """
 MIDDLE = 5.544444561004639
-WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
 @pytest.fixture(scope="module")
@@ -31,44 +30,11 @@ def kernel() -> Iterator[Kernel]:
         yield one
 
 
-class Panel:
+class Panel(WidgetCell):
     """drive() in a cell, with this test in the browser's place."""
 
     def __init__(self, kernel: Kernel, arguments: str = "") -> None:
-        self.kernel = kernel
-        self.began = len(kernel.messages)
-        self.cell = kernel.run(f"panel = drive({arguments})\npanel", identity=f"cell {self.began}")
-        shown = [m["content"] for m in kernel.of(self.cell) if m["msg_type"] in ("display_data", "execute_result")]
-        (self.first,) = [content for content in shown if WIDGET in content["data"]]
-        self.comm = self.first["data"][WIDGET]["model_id"]
-
-    def tell(self, **content: Any) -> None:
-        """What the browser says."""
-        data = {"method": "custom", "content": content}
-        session, channel = self.kernel.client.session, self.kernel.client.shell_channel
-        channel.send(session.msg("comm_msg", {"comm_id": self.comm, "data": data}))
-
-    def said(self, kind: str) -> list[tuple[dict[str, Any], list[bytes]]]:
-        """What the kernel has said to the browser."""
-        customs = [(m["content"]["data"].get("content", {}), m["buffers"]) for m in self._comm_messages()]
-        return [(content, list(map(bytes, buffers))) for content, buffers in customs if content.get("kind") == kind]
-
-    def _comm_messages(self) -> list[Message]:
-        return [
-            m
-            for m in self.kernel.messages[self.began :]
-            if m["msg_type"] == "comm_msg" and m["content"]["comm_id"] == self.comm
-        ]
-
-    def still(self) -> dict[str, Any]:
-        """What is saved in the notebook."""
-        identity = self.first["transient"]["display_id"]
-        updates = [
-            m["content"]
-            for m in self.kernel.messages
-            if m["msg_type"] == "update_display_data" and m["content"]["transient"]["display_id"] == identity
-        ]
-        return [self.first, *updates][-1]["data"]
+        super().__init__(kernel, f"panel = drive({arguments})\npanel")
 
 
 @pytest.fixture
@@ -124,7 +90,7 @@ def test_moves_are_sent_in_one_message_a_frame_and_none_is_lost(kernel: Kernel, 
     moves = np.concatenate([np.frombuffer(b, np.float32).reshape(-1, 4) for _, (b,) in panel.said("moves")[before:]])
     assert len(np.unique(moves[:, 0])) == 1
     assert np.allclose(np.diff(np.unwrap(moves[:, 3])), 0.032, atol=1e-4)  # each tick's
-    counts = [m["content"]["data"]["content"]["count"] for m in panel._comm_messages() if _is_counted(m)]
+    counts = [m["content"]["data"]["content"]["count"] for m in panel.comm_messages() if _is_counted(m)]
     assert counts == list(range(counts[0], counts[0] + len(counts)))
 
 

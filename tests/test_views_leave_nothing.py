@@ -23,9 +23,11 @@ from course_kit.live.life import alive
 from course_kit.live.logs import watch_logs
 from course_kit.live.rates import watch_rates
 from course_kit.live.resources import watch_resources
+from course_kit.live.robot import show_robot
 from course_kit.live.turtle import drive
 from course_kit.live.values import watch_values
 from course_kit.node_logs import rosout
+from course_kit.robot import Robot as Burger
 
 class Robot(Node):
     def __init__(self):
@@ -34,6 +36,7 @@ class Robot(Node):
         self.create_timer(0.1, lambda: self.poses.publish(Pose(x=1.0)))
 
 robot = run(Robot)
+burger = run(Burger, namespace="/burger")
 
 def left():
     gc.collect()
@@ -55,6 +58,7 @@ KINDS = {
     "logs": "watch_logs()",
     "graph": "show_graph()",
     "turtle": "drive()",
+    "robot": "show_robot(burger)",
     "ros2": "get_ipython().run_line_magic('ros2', 'topic list --background')",
 }
 
@@ -79,7 +83,7 @@ def open_and_close(kernel: Kernel, kind: str, times: int) -> None:
 
 
 def opened_and_closed(kernel: Kernel, kind: str, times: int) -> None:
-    open_and_close(kernel, kind, max(20, times // 4))  # what is made once is made
+    open_and_close(kernel, kind, max(20, times // 2))  # what is made once is made
     before = left(kernel)
     open_and_close(kernel, kind, times)
 

@@ -17,11 +17,13 @@ from tests.lab import Lab, lab_on
 
 SET_UP = """
 from course_kit import check, plot_graph, plot_pose, record, run
+from course_kit.robot import Robot
 from course_kit.turtlesim import TurtleSim
 from course_kit.live.graph import show_graph
 from course_kit.live.logs import watch_logs
 from course_kit.live.rates import watch_rates
 from course_kit.live.resources import watch_resources
+from course_kit.live.robot import show_robot
 from course_kit.live.turtle import drive
 from course_kit.live.values import watch_values
 turtlesim = run(TurtleSim)
@@ -30,6 +32,7 @@ recording = record("/turtle1/pose")
 VIEWS = {
     "box": SET_UP,
     "turtle": "panel = drive()",
+    "robot": "robot = run(Robot); view = show_robot(robot)",
     "rates": "rates = watch_rates()",
     "values": "values = watch_values('/turtle1/pose.x', '/turtle1/pose.theta')",
     "resources": "resources = watch_resources()",

@@ -108,9 +108,12 @@ def subscribe(
 
 
 def subscribe_exactly(
-    topic: str, callback: Callback, message_type: Any, qos: QoSProfile, on_refused: Refused
+    topic: str, callback: Callback, message_type: Any, qos: QoSProfile, on_refused: Refused | None = None
 ) -> RawSubscription:
-    """As subscribe(), with this QoS whatever publishers offer; `on_refused(policy)` is called if one offers less."""
+    """As subscribe(), with this QoS at first; if a publisher offers less, `on_refused(policy)` is called.
+
+    Without it less is asked for then.
+    """
     return _running().watcher.subscribe(topic, message_type, qos, callback, on_refused)
 
 
