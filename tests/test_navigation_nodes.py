@@ -166,7 +166,7 @@ def test_a_pose_is_the_place_that_it_was_made_of() -> None:
 
 
 def test_it_maps_an_unknown_world_on_its_way_to_a_goal_and_arrives(station: Station) -> None:
-    robot = start_robot(world("rooms", 4))
+    robot = start_robot(world("office", 7))
     run_mapping(robot)
     goal = (*min(robot.world.goals, key=lambda one: math.dist(one, robot.world.start[:2])), 0.0)
     status, ended = result(station.send(goal))
