@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests import leftovers
-from tests.domains import own_domain, use_own_domain
+from tests.domains import give_back, own_domain, use_own_domain
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 GROUPS = "COURSE_KIT_TEST_GROUPS"  # those that are run, if not all
@@ -176,6 +176,7 @@ def fresh_domain() -> Iterator[None]:
     from course_kit.spinning import context
 
     context.stop()
-    with own_domain():
+    with own_domain() as domain:
         yield
         context.stop()
+    give_back(domain)

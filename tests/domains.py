@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import socket
 from collections.abc import Iterator
@@ -12,18 +13,19 @@ import pytest
 
 OF_TESTS = range(2, 102)  # without port clashes
 
-_locks: list[socket.socket] = []  # kept open as long as the process lives
+_locks: dict[int, socket.socket] = {}  # of the domains that this process has
+_numbers = itertools.count(os.getpid())  # so that what was given back is taken last
 
 
 def take(domain: int) -> bool:
-    """Take a domain for as long as this process lives, unless another test process has it.
+    """Take a domain until it is given back, or this process ends, unless another test process has it.
 
     It is taken by a socket with the domain's name, which has no file and goes with its process.
     """
     lock = socket.socket(socket.AF_UNIX)
     with contextlib.suppress(OSError):
         lock.bind(f"\0course-kit-test-domain-{domain}")
-        _locks.append(lock)
+        _locks[domain] = lock
         return True
     lock.close()
     return False
@@ -31,11 +33,16 @@ def take(domain: int) -> bool:
 
 def reserve_domain() -> int:
     """A domain of one's own. RuntimeError when all are taken."""
-    start = os.getpid() % len(OF_TESTS)
+    start = next(_numbers) % len(OF_TESTS)
     for domain in (*OF_TESTS[start:], *OF_TESTS[:start]):
         if take(domain):
             return domain
     raise RuntimeError(f"{len(OF_TESTS)} test processes run already: no ROS domain is left")
+
+
+def give_back(domain: int) -> None:
+    """Leave a domain to others: there is no node in it any more."""
+    _locks.pop(domain).close()
 
 
 @contextmanager
