@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
@@ -28,11 +29,11 @@ class BufferInterface:
         `import tf2_geometry_msgs` registers the types of geometry_msgs; TypeException for one that nobody has
         registered, TransformException if there is no transform within `timeout`.
         """
-        do_transform = self.registration.get(type(object_stamped))
-        header = object_stamped.header
-        where = self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout)
-        result = do_transform(object_stamped, where)
-        return result if new_type is None else convert(result, new_type)
+        return self._transformed(
+            object_stamped,
+            lambda header: self.lookup_transform(target_frame, header.frame_id, header.stamp, timeout),
+            new_type,
+        )
 
     def transform_full(
         self,
@@ -44,12 +45,19 @@ class BufferInterface:
         new_type: type | None = None,
     ) -> Any:
         """An object in another frame at another moment, while `fixed_frame` stands still."""
-        do_transform = self.registration.get(type(object_stamped))
-        header = object_stamped.header
-        where = self.lookup_transform_full(
-            target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
+        return self._transformed(
+            object_stamped,
+            lambda header: self.lookup_transform_full(
+                target_frame, target_time, header.frame_id, header.stamp, fixed_frame, timeout
+            ),
+            new_type,
         )
-        result = do_transform(object_stamped, where)
+
+    def _transformed(
+        self, object_stamped: Any, look_up: Callable[[Any], TransformStamped], new_type: type | None
+    ) -> Any:
+        do_transform = self.registration.get(type(object_stamped))  # refused before anything is waited for
+        result = do_transform(object_stamped, look_up(object_stamped.header))
         return result if new_type is None else convert(result, new_type)
 
     def lookup_transform(
