@@ -9,6 +9,7 @@ from multiprocessing import Pipe
 
 import pytest
 
+from course_kit.ending import shared_memory
 from course_kit.examining.channel import Channel
 from tests.waiting import TIMEOUT
 
@@ -85,13 +86,17 @@ def test_the_ros2_command() -> None:
 
 
 def test_the_ros2_command_at_sigterm() -> None:
+    """Also its shared memory is gone."""
     words = ["topic", "pub", "/said", "std_msgs/msg/String", "data: hello"]
     process = subprocess.Popen([sys.executable, "-c", NEVER_RETURNS + ROS2, *words], stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
         assert any("publishing #1" in line for line in process.stdout)
+        left = shared_memory.made_by(process.pid)
+        assert left
         process.terminate()
         assert process.wait(TIMEOUT) == 128 + signal.SIGTERM
+        assert not [path for path in left if path.exists()]
     finally:
         process.kill()
         process.wait()

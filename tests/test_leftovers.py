@@ -29,7 +29,6 @@ from tests.ros2_launches import none_left
 from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
-LOCK = re.compile(rf"{shared_memory.FOLDER}/fastrtps_[0-9a-f]{{16}}_el")
 PROGRAMS = {
     "a program": ("run", "turtlesim", "turtlesim_node"),
     "a verb": ("topic", "pub", "/chatter", "std_msgs/msg/String", "data: hello"),
@@ -57,13 +56,7 @@ def family(pid: int) -> list[int]:
 
 def segments(pids: list[int]) -> list[Path]:
     """The shared memory that these processes have made."""
-    found = set()
-    for pid in pids:
-        with contextlib.suppress(FileNotFoundError):  # it ends meanwhile
-            for entry in Path(f"/proc/{pid}/fd").iterdir():
-                if LOCK.fullmatch(opened := os.readlink(entry)):
-                    found.add(Path(opened.removesuffix("_el")))
-    return sorted(found)
+    return [path for pid in pids for path in shared_memory.made_by(pid)]
 
 
 @pytest.mark.parametrize("how", ENDS)
@@ -73,7 +66,7 @@ def test_nothing_is_left(what: str, how: str, tmp_path: Path) -> None:
     words = [word.format(folder=tmp_path) for word in PROGRAMS[what]]
     with own_domain() as domain, Terminal([*COMMAND, *words]) as terminal:
         participants = 2 if what == "a launch" else 1
-        wait_until(lambda: len(segments(family(terminal.process.pid))) >= participants, pause=terminal._read)
+        wait_until(lambda: len(segments(family(terminal.process.pid))) >= 2 * participants, pause=terminal._read)
         pids = family(terminal.process.pid)
         left = segments(pids)
         ENDS[how](terminal)
@@ -129,7 +122,7 @@ def test_nothing_of_a_kernel_is_left(how: str) -> None:
         pid = int(kernel.text(kernel.run("import os; print(os.getpid())")))
         pids = family(pid)
         left = segments(pids)
-        assert len(left) >= 3  # of the notebook's participants, and of the checker's
+        assert len(left) >= 6  # of the notebook's participants, and of the checker's
         wait_until(lambda: "hello" in observer.get_node_names())
         if how == "properly":
             kernel.client.shutdown()
@@ -173,7 +166,7 @@ def test_nothing_of_a_jupyterlab_is_left(how: str, tmp_path: Path) -> None:
         server = psutil.Process(kernel).ppid()
         pids = family(server)
         left = segments(pids)
-        assert len(left) >= 3
+        assert len(left) >= 6
         os.kill(server, SIGNALS[how])
         wait_until(lambda: none_left(pids), f"end of {pids}")
     assert_gone(left, domain, how != "SIGTERM")

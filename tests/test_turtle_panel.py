@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image
 
 from tests.kernel import Kernel, Message, kernel_after
@@ -80,16 +81,25 @@ def test_a_browser_that_asks_gets_all_of_the_field(kernel: Kernel, panel: Panel)
     assert image_of(shells).size == (8 * 120, 120)
 
 
+def moves(panel: Panel) -> NDArray[np.float32]:
+    """All moves that were sent, as rows: the turtle's number, x, y, heading."""
+    return np.frombuffer(b"".join(moved for _, (moved,) in panel.said("moves")), np.float32).reshape(-1, 4)
+
+
 def test_moves_are_sent_in_one_message_a_frame_and_none_is_lost(kernel: Kernel, panel: Panel) -> None:
     panel.tell(kind="spawn", x=3.0, y=3.0)
     kernel.until(lambda: "turtle2" in kernel.value("list(panel._topics.field.turtles)") and pose(kernel, "turtle2"))
-    before = len(panel.said("moves"))
+    kernel.until(lambda: kernel.value("panel._topics.field.turtles['turtle1'].rests") == "True")
+    shown = len(panel.said("field"))
+    panel.tell(kind="show")
+    kernel.until(lambda: len(panel.said("field")) > shown)  # what was before is in there
+    before = len(moves(panel))
     panel.tell(kind="key", key="left")
     # A turn has 62 ticks; on a busy machine a message brings several of them.
-    kernel.until(lambda: sum(len(b) // 16 for _, (b,) in panel.said("moves")[before:]) >= 40)
-    moves = np.concatenate([np.frombuffer(b, np.float32).reshape(-1, 4) for _, (b,) in panel.said("moves")[before:]])
-    assert len(np.unique(moves[:, 0])) == 1
-    assert np.allclose(np.diff(np.unwrap(moves[:, 3])), 0.032, atol=1e-4)  # each tick's
+    kernel.until(lambda: len(moves(panel)) >= before + 40)
+    turned = moves(panel)[before:]
+    assert len(np.unique(turned[:, 0])) == 1
+    assert np.allclose(np.diff(np.unwrap(turned[:, 3])), 0.032, atol=1e-4)  # each tick's
     counts = [m["content"]["data"]["content"]["count"] for m in panel.comm_messages() if _is_counted(m)]
     assert counts == list(range(counts[0], counts[0] + len(counts)))
 

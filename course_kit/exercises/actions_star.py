@@ -66,8 +66,8 @@ class Trip:
         wait(lambda: paths.length(self._driven.messages[star.begun :]) >= length, timeout, "a line", poll=0.1)
 
     def send_second(self, client: Client, side: float, first: Star) -> Star:
-        """Send a goal while another is driven, as soon as the turtle is clear of where a wrong star would begin."""
-        elsewhere = [(MIDDLE, MIDDLE), self._places[-1]]
+        """Send a goal while another is driven, once the turtle is clear of where a wrong star would begin or end."""
+        elsewhere = list(self._places)
 
         def is_clear() -> bool:
             return is_away(self._driven.last, elsewhere, CLEAR) or first.goal.settled is not None
