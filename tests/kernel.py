@@ -59,7 +59,7 @@ class Kernel:
         deadline = time.monotonic() + timeout
         while not (value := condition()):
             assert self.manager.is_alive(), "the kernel has died"
-            said = [(m["msg_type"], m["content"]) for m in self.messages[-5:]]
+            said = [(m["msg_type"], str(m["content"])[:400]) for m in self.messages[-20:]]
             assert time.monotonic() < deadline, f"not within {timeout} s; the last messages: {said}"
             with contextlib.suppress(Empty):
                 self.messages.append(self.client.get_iopub_msg(timeout=0.1))

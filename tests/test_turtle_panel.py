@@ -47,7 +47,8 @@ def panel(kernel: Kernel) -> Iterator[Panel]:
 
 def pose(kernel: Kernel, turtle: str = "turtle1") -> list[float]:
     """Where the panel sees a turtle; nothing before it does."""
-    return [*map(float, kernel.value(f"*(panel._topics.field.turtles['{turtle}'].pose or ())").split())]
+    seen = f"panel._topics.field.turtles.get('{turtle}')"
+    return [*map(float, kernel.value(f"*getattr({seen}, 'pose', None) or ()").split())]
 
 
 def image_of(png: bytes) -> Image.Image:
@@ -69,7 +70,7 @@ def test_a_browser_that_asks_gets_all_of_the_field(kernel: Kernel, panel: Panel)
     panel.tell(kind="call", service="reset")
     kernel.until(lambda: pose(kernel) == [MIDDLE, MIDDLE, 0.0])
     panel.tell(kind="key", key="up")
-    kernel.until(lambda: (now := pose(kernel)) and now[0] > 7.0)
+    kernel.until(lambda: (now := pose(kernel)) and now[0] > 6.2)  # a busy simulator moves it less far in its second
     before = len(panel.said("field"))
     panel.tell(kind="show")
     kernel.until(lambda: len(panel.said("field")) > before)
@@ -88,7 +89,7 @@ def moves(panel: Panel) -> NDArray[np.float32]:
 
 def test_moves_are_sent_in_one_message_a_frame_and_none_is_lost(kernel: Kernel, panel: Panel) -> None:
     panel.tell(kind="spawn", x=3.0, y=3.0)
-    kernel.until(lambda: "turtle2" in kernel.value("list(panel._topics.field.turtles)") and pose(kernel, "turtle2"))
+    kernel.until(lambda: pose(kernel, "turtle2"))
     kernel.until(lambda: kernel.value("panel._topics.field.turtles['turtle1'].rests") == "True")
     shown = len(panel.said("field"))
     panel.tell(kind="show")
