@@ -25,14 +25,20 @@ class Counting(Node):
         accept = {"cancel_callback": lambda _: CancelResponse.ACCEPT}
         self.server = ActionServer(self, Fibonacci, "counting", self.execute, **accept)
         self.client = ActionClient(self, Fibonacci, "counting")
+        self.lingers = False  # whether a goal that is to be cancelled stays so
+
+    async def pause(self) -> None:
+        done: Future = Future()
+        timer = self.create_timer(0.02, lambda: done.set_result(None))
+        await done
+        self.destroy_timer(timer)
 
     async def execute(self, goal_handle):
         for number in range(goal_handle.request.order):
-            done = Future()
-            timer = self.create_timer(0.02, lambda done=done: done.set_result(None))
-            await done
-            self.destroy_timer(timer)
+            await self.pause()
             if goal_handle.is_cancel_requested:
+                while self.lingers:
+                    await self.pause()
                 goal_handle.canceled()
                 return Fibonacci.Result()
             goal_handle.publish_feedback(Fibonacci.Feedback(sequence=[number]))

@@ -29,7 +29,9 @@ def converse(counting: Counting, order: int, cancels: bool) -> tuple[Recording, 
         result = handle.get_result_async()
         if cancels:
             wait_for(lambda: len(told[FEEDBACK]) >= 2)
+            counting.lingers = True  # until the client has the answer: the state lasts from one row to another
             wait_for(handle.cancel_goal_async())
+            counting.lingers = False
         status = wait_for(result).status
         wait_for(lambda: told[STATUS].messages[-1].status_list[-1].status == status)
         wait_for(lambda: not any(math.isnan(one.answered) for one in asked))

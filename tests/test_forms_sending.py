@@ -263,4 +263,5 @@ def test_opened_and_closed_200_times_nothing_is_left(other):
         publishing = Publishing(Interface(TOPIC, "/path", Path))
         publishing.start({}, 100.0)
         publishing.close()
-    wait_until(lambda: left() == before)
+    # Fewer, where a thread of an earlier test has ended meanwhile.
+    wait_until(lambda: all(now <= then for now, then in zip(left(), before, strict=True)))
