@@ -116,6 +116,18 @@ def test_a_sourced_ros_does_not_mix_with_the_wheels(tmp_path):
     assert str(prefix) not in printed and sys.prefix in printed
 
 
+def test_beside_a_sourced_ros_the_courses_own_packages_are_found_last(tmp_path):
+    index = tmp_path / "venv/share/ament_index/resource_index/packages"
+    index.mkdir(parents=True)
+    (index / "course_robot").touch()
+    prefix = str(tmp_path / "venv")
+    environ = {"AMENT_PREFIX_PATH": "/opt/ros/jazzy", "ROS_DOMAIN_ID": "42"}
+    for _ in range(2):
+        activate(prefix, environ)
+        assert environ["AMENT_PREFIX_PATH"] == f"/opt/ros/jazzy:{prefix}"
+    assert "CMAKE_PREFIX_PATH" not in environ
+
+
 def test_activating_twice_changes_nothing_more():
     environ = {"PATH": "/usr/bin", "AMENT_PREFIX_PATH": "/my/workspace/install"}
     activate(environ=environ)

@@ -41,7 +41,7 @@ def imitate_apt(prefix: Path) -> dict[str, str]:
             source = Path(os.path.normpath(file.locate()))
             relative = source.relative_to(sys.prefix)
             metadata = ".dist-info" in str(relative) or source.suffix in (".pth", ".pyc")
-            ours = "course_kit" in str(relative) or relative == Path("bin/ros2")
+            ours = "course_" in str(relative) or relative == Path("bin/ros2")
             if metadata or ours or relative.parts[0] == "etc":
                 continue
             target = prefix / relative
@@ -130,6 +130,16 @@ def test_the_ros2_command_is_apts_with_nothing_of_ours_in_between(course, set_up
     command = [course.root / ".venv/bin/python", "-c", program]
     result = subprocess.run(command, env=sourced, capture_output=True, text=True, timeout=60, check=True)
     assert result.stdout == f"{APTS_COMMAND}\n"
+
+
+def test_the_robot_and_its_navigation_are_packages_all_the_same(course, set_up, sourced, apt):
+    program = (
+        "from ament_index_python.packages import get_package_prefix as prefix\n"
+        "print(*map(prefix, ('course_robot', 'course_navigation', 'tf2_ros', 'turtlesim')))"
+    )
+    command = [course.root / ".venv/bin/python", "-c", program]
+    result = subprocess.run(command, env=sourced, capture_output=True, text=True, timeout=60, check=True)
+    assert result.stdout.split() == [str(course.root / ".venv")] * 2 + [str(apt)] * 2
 
 
 def test_no_library_of_ros_comes_from_anywhere_else(course, set_up, sourced, apt):

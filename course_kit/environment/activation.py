@@ -76,6 +76,9 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
         # A process started from another Python environment with ROS wheels has only that one's libraries.
         if os.path.join(prefix, "lib") not in split_paths(environ.get("LD_LIBRARY_PATH", "")):
             environ.pop(RESTARTED, None)
+    elif has_package(prefix, "course_robot"):  # beside a sourced ROS 2: the packages that it does not bring
+        others = [entry for entry in split_paths(environ.get("AMENT_PREFIX_PATH", "")) if entry != prefix]
+        environ["AMENT_PREFIX_PATH"] = os.pathsep.join([*others, prefix])
     environ["COURSE_KIT_PREFIX"] = prefix
     bin_folder = os.path.join(prefix, "bin")
     others = [entry for entry in split_paths(environ.get("PATH", "")) if entry != bin_folder]
