@@ -135,11 +135,11 @@ def test_the_ros2_command_is_apts_with_nothing_of_ours_in_between(course, set_up
 def test_the_robot_and_its_navigation_are_packages_all_the_same(course, set_up, sourced, apt):
     program = (
         "from ament_index_python.packages import get_package_prefix as prefix\n"
-        "print(*map(prefix, ('course_robot', 'course_navigation', 'tf2_ros', 'turtlesim')))"
+        "print(*map(prefix, ('course_robot', 'course_navigation', 'tf2_ros', 'turtlesim')), sep='\\n')"
     )
     command = [course.root / ".venv/bin/python", "-c", program]
     result = subprocess.run(command, env=sourced, capture_output=True, text=True, timeout=60, check=True)
-    assert result.stdout.split() == [str(course.root / ".venv")] * 2 + [str(apt)] * 2
+    assert result.stdout.splitlines() == [str(course.root / ".venv")] * 2 + [str(apt)] * 2
 
 
 def test_no_library_of_ros_comes_from_anywhere_else(course, set_up, sourced, apt):
