@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import signal
@@ -179,4 +180,5 @@ def fresh_domain() -> Iterator[None]:
     with own_domain() as domain:
         yield
         context.stop()
+    gc.collect()  # a participant stays in the domain until the handles of its nodes become garbage
     give_back(domain)

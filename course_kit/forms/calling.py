@@ -16,6 +16,7 @@ from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 
 from course_kit.calls.goals import STATES
+from course_kit.calls.meeting import meet_server
 from course_kit.forms.interface import Interface
 from course_kit.forms.sender import Sender, State
 from course_kit.polling import wait_until
@@ -107,6 +108,7 @@ class GoalSender(_Background):
             client = ActionClient(node, self.interface.type, self.interface.name)
             if not self._wait(client.server_is_ready, FOUND):
                 raise LookupError(f"nobody offers {self.interface.name} (waited {FOUND:g} s)")
+            meet_server(client, self._wait)
             self._follow(client, goal)
 
     def _follow(self, client: Any, goal: Any) -> None:

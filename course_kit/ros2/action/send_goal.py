@@ -25,6 +25,7 @@ def _run(args: Namespace, session: Session) -> None:
     session.join()
     from rclpy.action import ActionClient
 
+    from course_kit.calls.meeting import meet_server
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
     from course_kit.spinning import action_answers
@@ -44,6 +45,7 @@ def _run(args: Namespace, session: Session) -> None:
         session.print("Waiting for an action server to become available...")
         full_name = "/" + name.removeprefix("/")
         wait_for_server(session, "action", full_name, args.action_type, client.server_is_ready, count_servers)
+        meet_server(client, session.until)
         stamp(times, *node.get_clock().now().seconds_nanoseconds())
         _follow(session, args, client, goal)
 
