@@ -86,6 +86,19 @@ def changed(source: str, *changes: tuple[str, str]) -> str:
     return source
 
 
+# A check runs an answer with threads if a node of its class has them in the notebook: no earlier answer's may stay.
+KEEP_NODES = """
+from course_kit import stop as _stop
+from course_kit.spinning.executors import spinning_now as _spinning_now
+from rclpy.executors import MultiThreadedExecutor as _Threads
+_kept = {id(each) for each in _spinning_now()}
+"""
+END_THREADS = """
+for _each in [each for each in _spinning_now() if isinstance(each.executor, _Threads) and id(each) not in _kept]:
+    _stop(_each.node)
+"""
+
+
 class Chapter:
     """A chapter's notebook, run up to its exercises."""
 
@@ -114,6 +127,7 @@ class Chapter:
 
     def answer(self, exercise: str, source: str) -> str:
         """Put an answer into the answer cell, run it and the check cell; return what the check showed."""
+        self.kernel.run(END_THREADS, CELL_TIMEOUT)
         self.kernel.finish(self.kernel.send(source), CELL_TIMEOUT)  # it may raise, as a student's does
         return self.check(exercise)
 
@@ -145,7 +159,7 @@ def chapter(name: str) -> Iterator[Chapter]:
         try:
             made = Chapter(kernel, path)
             made.run_prerequisites()
-            kernel.run(prepare, CELL_TIMEOUT)
+            kernel.run(prepare + KEEP_NODES, CELL_TIMEOUT)
             yield made
         finally:
             kernel.close()

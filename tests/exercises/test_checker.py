@@ -127,7 +127,8 @@ def test_fifty_checks_leave_the_memory_as_it_was(own_kernel: Kernel):
     grown = [p.memory_info().rss - earlier for p, earlier in zip(processes, before, strict=True)]
     print("grown by", [round(one / 1e6, 1) for one in grown], "MB of", [round(one / 1e6) for one in before])
     assert all(one < 2e6 for one in grown), grown
-    assert [p.num_threads() for p in processes] == threads
+    # One or two begin or end at any moment; a check that left one would have left fifty.
+    assert all(p.num_threads() <= earlier + 2 for p, earlier in zip(processes, threads, strict=True))
     assert all(p.num_fds() <= earlier + 2 for p, earlier in zip(processes, files, strict=True))
 
 
