@@ -63,12 +63,18 @@ for domain in json.loads(sys.argv[1]):
 poses = []
 nodes[0].create_subscription(Pose, "/turtle1/pose", poses.append, 10)
 kill = nodes[0].create_client(Kill, "/kill")
-until(lambda: poses and kill.service_is_ready(), float(sys.argv[2]))
+
+
+def names():
+    found = {f"{space}/{name}" for node in nodes for name, space in node.get_node_names_and_namespaces()}
+    return sorted(name for name in found if "attacker" not in name)
+
+
+wanted = {"//turtlesim", "/started/turtlesim"}
+until(lambda: poses and kill.service_is_ready() and wanted.issubset(names()), float(sys.argv[2]))
 answer = kill.call_async(Kill.Request(name="turtle1"))
 until(answer.done, 3.0)
-names = {f"{space}/{name}" for node in nodes for name, space in node.get_node_names_and_namespaces()}
-names = sorted(name for name in names if "attacker" not in name)
-print(json.dumps({"nodes": names, "poses": len(poses), "killed": answer.done()}))
+print(json.dumps({"nodes": names(), "poses": len(poses), "killed": answer.done()}))
 """
 
 
