@@ -62,14 +62,18 @@ def _has_command(name: str, environ: Mapping[str, str]) -> bool:
     return any(os.access(os.path.join(entry, name), os.X_OK) for entry in split_paths(environ.get("PATH", "")))
 
 
+def _put_last(prefix: str, name: str, environ: MutableMapping[str, str]) -> None:
+    others = [entry for entry in split_paths(environ.get(name, "")) if entry != prefix]
+    environ[name] = os.pathsep.join([*others, prefix])
+
+
 def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.environ) -> None:
     """Complete the environment of this process for ROS 2."""
     if has_package(prefix, "rclpy"):
         _leave_installations(environ)
         # Last: a colcon workspace that the user sourced lies over ROS 2, as it lies over /opt/ros.
         for name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH"):
-            others = [entry for entry in split_paths(environ.get(name, "")) if entry != prefix]
-            environ[name] = os.pathsep.join([*others, prefix])
+            _put_last(prefix, name, environ)
         environ.setdefault("CMAKE_TOOLCHAIN_FILE", os.path.join(prefix, TOOLCHAIN))
         if not _has_command("make", environ):
             environ.setdefault("CMAKE_GENERATOR", "Ninja")  # the wheel `ninja` is installed too
@@ -77,8 +81,7 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
         if os.path.join(prefix, "lib") not in split_paths(environ.get("LD_LIBRARY_PATH", "")):
             environ.pop(RESTARTED, None)
     elif has_package(prefix, "course_robot"):  # beside a sourced ROS 2: the packages that it does not bring
-        others = [entry for entry in split_paths(environ.get("AMENT_PREFIX_PATH", "")) if entry != prefix]
-        environ["AMENT_PREFIX_PATH"] = os.pathsep.join([*others, prefix])
+        _put_last(prefix, "AMENT_PREFIX_PATH", environ)
     environ["COURSE_KIT_PREFIX"] = prefix
     bin_folder = os.path.join(prefix, "bin")
     others = [entry for entry in split_paths(environ.get("PATH", "")) if entry != bin_folder]

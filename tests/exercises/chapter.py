@@ -91,10 +91,10 @@ KEEP_NODES = """
 from course_kit import stop as _stop
 from course_kit.spinning.executors import spinning_now as _spinning_now
 from rclpy.executors import MultiThreadedExecutor as _Threads
-_kept = {id(each) for each in _spinning_now()}
+_kept = _spinning_now()
 """
 END_THREADS = """
-for _each in [each for each in _spinning_now() if isinstance(each.executor, _Threads) and id(each) not in _kept]:
+for _each in [each for each in _spinning_now() if isinstance(each.executor, _Threads) and each not in _kept]:
     _stop(_each.node)
 """
 
