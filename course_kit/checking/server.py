@@ -133,8 +133,11 @@ class Checker:
             return True
         if exercise.node_class and running.order("has", node_class=exercise.node_class).get("value"):
             return True
-        if exercise.node_class and (why := running.order("missing", node_class=exercise.node_class).get("value")):
-            running.judge(f"there is a class `{exercise.node_class}`", False, why)
+        if exercise.function and running.order("has function", function=exercise.function).get("value"):
+            return True
+        wanted, what = exercise.node_class or exercise.function, "class" if exercise.node_class else "function"
+        if wanted and (why := running.order("missing", name=wanted).get("value")):
+            running.judge(f"there is a {what} `{wanted}`", False, why)
         if exercise.file and (running.folder / WORKSPACE / "src" / exercise.file).is_file():
             return True
         if not exercise.node:
@@ -202,6 +205,8 @@ def _says_something(value: Any) -> bool:
 def _what_to_do(exercise: Exercise) -> str:
     if exercise.node_class:
         return f"Write the class `{exercise.node_class}` into the cell above and run it, then run this one."
+    if exercise.function:
+        return f"Write the function `{exercise.function}` into the cell above and run it, then run this one."
     if exercise.value:
         return "Fill in the cell above and run it, then run this one."
     if exercise.file:

@@ -1,4 +1,4 @@
-"""Why the notebook has no class of a name though its cell has one: it failed, or has not run in this kernel."""
+"""Why the notebook has no class or function of a name though a cell has it: that failed, or has not run."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ SESSION = "JPY_SESSION_NAME"  # in the environment of a kernel: the notebook tha
 
 
 def why_missing(name: str) -> str:
-    """What keeps the class from being there, in a sentence; '' if no cell is known to have it."""
+    """What keeps the class or function from being there, in a sentence; '' if no cell is known to have it."""
     error = kernel.failure_of(name)
     if error is not None:
         return with_cause(f"Its cell ended with {_written(error)}.", error)
-    if _is_written(name):
-        return f"Its cell has not run since this kernel started: run the cell with class {name}, then this one."
+    if keyword := _written_as(name):
+        return f"Its cell has not run since this kernel started: run the cell with {keyword} {name}, then this one."
     return ""
 
 
@@ -30,11 +30,12 @@ def _written(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}"
 
 
-def _is_written(name: str) -> bool:
-    """Whether the notebook, as it was saved last, has a cell with the class."""
+def _written_as(name: str) -> str:
+    """ "class" or "def" if the notebook, as it was saved last, has a cell with that; else nothing."""
     try:
         cells = json.loads(Path(os.environ[SESSION]).read_text(encoding="utf-8"))["cells"]
         sources = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
     except (KeyError, OSError, ValueError, TypeError):
-        return False
-    return any(re.search(rf"^class {re.escape(name)}\b", source, re.MULTILINE) for source in sources)
+        return ""
+    found = (re.search(rf"^(class|def) {re.escape(name)}\b", source, re.MULTILINE) for source in sources)
+    return next((match[1] for match in found if match), "")

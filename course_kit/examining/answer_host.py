@@ -16,9 +16,11 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rclpy.context import Context
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.utilities import get_default_context
 
 from course_kit.causes import with_cause
@@ -61,13 +63,21 @@ class AnswerHost:
         self._spinning: SpinThread | None = None
         self._made: list[Node] = []
         self._as_made = contextvars.copy_context()
+        self._given: list[Parameter] = WITHOUT_DESCRIPTIONS  # to each node of the answer
         self.errors: list[str] = []  # what the callbacks of the node raised
 
-    def start(self, node_class: type[Node], keeper: str = "_ros2cli", threads: bool | None = False) -> None:
+    def start(
+        self,
+        node_class: type[Node],
+        keeper: str = "_ros2cli",
+        threads: bool | None = False,
+        use_sim_time: bool = False,
+    ) -> None:
         """Make a node of the class and spin it; whatever its constructor raises is raised.
 
         `keeper`: the name of a hidden node beside it. `threads`: whether with a MultiThreadedExecutor; None: if an
-        action of the node blocks a thread.
+        action of the node blocks a thread. `use_sim_time`: whether its nodes follow /clock, as `run(…)` of the chapter
+        has them do.
         """
         self.stop()
         earlier, self._keeper = self._keeper, quiet_node(keeper, self._context)
@@ -76,6 +86,7 @@ class AnswerHost:
         self.errors.clear()
         entered = _default.set(self._context)
         try:
+            self._given = [*WITHOUT_DESCRIPTIONS, *([Parameter("use_sim_time", value=True)] if use_sim_time else [])]
             with made_by(self._make):
                 node = construct(node_class, [], {})
                 if threads is None:
@@ -95,7 +106,7 @@ class AnswerHost:
         """
         if options.get("context") not in (None, self._context):
             raise TypeError(f"the node {name} is made in a context of its own: leave `context=` out")
-        overrides = [*(options.get("parameter_overrides") or []), *WITHOUT_DESCRIPTIONS]
+        overrides = [*(options.get("parameter_overrides") or []), *self._given]
         options |= {"context": self._context, "enable_rosout": False, "parameter_overrides": overrides}
         self._made.append(node)
         plain(node, name, **options)
@@ -189,10 +200,16 @@ def _answer(order: Mapping[str, Any], names: Mapping[str, Any]) -> dict[str, Any
 
 
 def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
-    if order["do"] == "has":
-        return isinstance(names.get(order["node_class"]), type)
-    if order["do"] == "missing":  # why there is no class of that name
-        return answer_cell.why_missing(order["node_class"])
+    match order["do"]:
+        case "has":
+            return isinstance(names.get(order["node_class"]), type)
+        case "has function":
+            return callable(names.get(order["function"]))
+        case "missing":  # why there is no class or function of that name
+            return answer_cell.why_missing(order["name"])
+        case "compute":  # what a function of the notebook returns; lists come to it as arrays
+            arguments = [np.array(one) if isinstance(one, list) else one for one in order["arguments"]]
+            return as_json(names[order["function"]](*arguments))
     host = _on(order["domain"])
     match order["do"]:
         case "start":
@@ -200,9 +217,8 @@ def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
             if not issubclass(node_class, Node):
                 raise TypeError(f"{name} is not derived from rclpy.node.Node. Write: class {name}(Node)")
             threads = order["threads"]
-            host.start(
-                node_class, order["keeper"], threads or _has_threads(name, names) if threads is not False else False
-            )
+            with_threads = threads or _has_threads(name, names) if threads is not False else False
+            host.start(node_class, order["keeper"], with_threads, order.get("use_sim_time", False))
         case "stop":
             host.stop()
         case "call":

@@ -154,14 +154,21 @@ class Station:
     def listen(self, topic: str, message_type: Any, own: bool = False) -> Heard:
         """Hear a topic for the length of the check. The answer's messages count, or with `own` the checker's."""
         heard = Heard(message_type, topic, self.is_own if own else self.counts)
-        self.subscribe(heard)
-        self._check.callback(heard.subscription.close)
+        self.hear(heard)
         return heard
 
-    def subscribe(self, heard: Heard) -> None:
-        """Have it hear its topic: with the reliability of its publishers, without what they kept for newcomers."""
+    def hear(self, heard: Heard, kept: bool = False) -> None:
+        """Have it hear its topic for the length of the check; with what was `kept` for newcomers, or without."""
+        self.subscribe(heard, kept)
+        self._check.callback(heard.subscription.close)
+
+    def subscribe(self, heard: Heard, kept: bool = False) -> None:
+        """Have it hear its topic, with the reliability of its publishers; with what they `kept` for newcomers, or not.
+
+        For what is kept they must offer it: others than transient local publishers are not heard then.
+        """
         qos = topics.qos_for(heard.topic, topics.publishers(self.node, heard.topic))
-        qos.durability = DurabilityPolicy.VOLATILE
+        qos.durability = DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE
         heard.subscription = self._watcher.subscribe(heard.topic, heard.type, qos, heard.receive)
 
     def node_log(self) -> NodeLog:

@@ -26,16 +26,17 @@ ARRIVAL_TIMEOUT = 0.7  # seconds given to what may come a little later than the 
 PROGRAM_ARRIVAL_TIMEOUT = 5.0  # the same in a program, whose constructor goes on when its node is in the graph
 
 
-def answer(threads: bool | None = False) -> None:
+def answer(threads: bool | None = False, use_sim_time: bool = False) -> None:
     """Make a node of the student's class on the stage, as `run(…)` would, and look at its name; ends with the check.
 
     `threads`: with a MultiThreadedExecutor; None: if the student runs it with one, or an action of it blocks a thread.
-    From then on only what its participant does counts.
+    `use_sim_time`: its clock is that of a_robot(). From then on only what its participant does counts.
     """
     exercise, stage = current().exercise, current().stage
     before = stage.their_nodes()
     keeper = hidden_name(secrets.randbelow(MOST_PROCESSES))
-    reply = current().order("start", 5.0, node_class=exercise.node_class, threads=threads, keeper=keeper)
+    order = {"node_class": exercise.node_class, "threads": threads, "keeper": keeper, "use_sim_time": use_sim_time}
+    reply = current().order("start", 5.0, **order)
     error = reply.get("error", "")
     hint = reply.get("trace", error)
     if "did not return" in error:
@@ -150,6 +151,26 @@ def call(method: str, *arguments: Any, timeout: float) -> tuple[Any, float]:
     return reply.get("value"), seconds
 
 
+def compute(*arguments: Any, timeout: float) -> Any:
+    """Call the answer's function; what it returned, as JSON has it. Lists come to it as numpy arrays.
+
+    One that raises or does not return ends the check.
+    """
+    function = current().exercise.function
+    reply = current().order("compute", timeout, function=function, arguments=list(arguments))
+    if error := reply.get("error", ""):
+        written = f"{function}({', '.join(_short(one) for one in arguments)})"
+        hint = f"It raised {reply.get('trace', error)}"
+        if "did not return" in error:
+            hint = f"It did not return within {timeout:g} s: does a loop in it end?"
+        require(f"`{written}` returns", False, hint)
+    return reply.get("value")
+
+
+def _short(argument: Any) -> str:
+    return f"array of {len(argument)}" if isinstance(argument, list) else f"{argument:.6g}"
+
+
 def read(attribute: str) -> Any:
     """What an attribute of the answer's node holds; ends the check if there is none."""
     reply = current().order("read", attribute=attribute)
@@ -174,6 +195,11 @@ def wait_for_attribute(attribute: str, condition: Callable[[Any], Any], timeout:
 
     wait(fits, timeout, poll=0.05)
     return read(attribute) if needed and "error" in reply else reply.get("value")
+
+
+def raised() -> list[str]:
+    """What callbacks of the answer's node have raised, and where: a program would have ended there."""
+    return list(current().order("errors").get("value") or [])
 
 
 def pending_calls() -> int:

@@ -138,7 +138,7 @@ def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     station = current().stage
 
     def missing() -> list[str]:
-        station.examine_processes(_theirs())
+        station.examine_processes(started())
         return [name for name in names if name not in station.their_nodes()]
 
     def is_decided() -> bool:
@@ -153,7 +153,7 @@ def expect_nodes(process: Process, *names: str, points: int = 0) -> bool:
     return expect(text, not absent, hint, points, needed=True)
 
 
-def _theirs() -> list[int]:
+def started() -> list[int]:
     """The processes that were started, with those that they have started."""
     pids = []
     for pid in current().programs:

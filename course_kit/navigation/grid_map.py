@@ -7,7 +7,6 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import distance_transform_edt
 
 from course_kit.navigation.places import Floats
 
@@ -55,6 +54,8 @@ class GridMap:
     @cached_property
     def to_wall(self) -> Floats:
         """Metres from the middle of each cell to that of the nearest occupied one, shape (height, width)."""
+        from scipy.ndimage import distance_transform_edt  # takes its time, and not everybody asks
+
         occupied = self.cells >= OCCUPIED
         if not occupied.any():
             return np.full(self.cells.shape, NONE_NEAR)

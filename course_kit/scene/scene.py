@@ -71,7 +71,8 @@ def _scan(message: Any, label: str) -> Layer:
     angles = message.angle_min + np.arange(len(ranges)) * message.angle_increment
     # REP 117: infinite is nothing in reach, nan is no measurement.
     hits = np.isfinite(ranges) & (ranges >= message.range_min) & (ranges <= message.range_max)
-    points = np.column_stack([ranges * np.cos(angles), ranges * np.sin(angles), np.zeros(len(ranges))])[hits]
+    far, angles = ranges[hits], angles[hits]
+    points = np.column_stack([far * np.cos(angles), far * np.sin(angles), np.zeros(len(far))])
     note = "" if hits.any() or not len(ranges) else "none of its ranges lies between range_min and range_max"
     return Layer(label, message.header.frame_id, "scan", points, np.eye(4)[None], note=note)
 

@@ -1,0 +1,68 @@
+"""A robot on a check's stage: where it is, what it and the answer tell tf, simulated seconds."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+from collections.abc import Iterator
+
+import pytest
+from geometry_msgs.msg import TransformStamped
+from rclpy.node import Node
+from sensor_msgs.msg import LaserScan
+from tf2_ros import StaticTransformBroadcaster
+
+from course_kit.examining import vocabulary_robot as vocabulary
+from course_kit.examining.answer_host import AnswerHost
+from course_kit.examining.examination import Examination
+
+
+class Camera(Node):
+    def __init__(self) -> None:
+        super().__init__("camera")
+        link = TransformStamped(child_frame_id="camera")
+        link.header.frame_id = "base_link"
+        link.transform.translation.x = 0.1
+        self.broadcaster = StaticTransformBroadcaster(self)
+        self.broadcaster.sendTransform(link)
+
+
+@pytest.fixture
+def host(examination: Examination) -> Iterator[AnswerHost]:
+    with contextlib.closing(AnswerHost(examination.stage.domain)) as host:
+        yield host
+    examination.stage.tidy()
+
+
+def test_a_robot_is_driven_and_tf_tells_where_it_and_the_answers_frames_are(
+    examination: Examination, host: AnswerHost
+) -> None:
+    robot = vocabulary.a_robot("empty", start=(3.0, 3.0, 0.0))
+    host.start(Camera, "_ros2cli_7", use_sim_time=True)
+    assert examination.stage.examine("_ros2cli_7", 5.0, os.getpid())
+    transforms, scans = vocabulary.hear_tf(), vocabulary.hear_robot("/scan", LaserScan)
+    assert vocabulary.drive(robot, 0.2, 0.0, seconds=2.0, timeout=20.0)
+    assert vocabulary.wait_simulated(robot, 0.5, timeout=20.0)
+    x, y, heading = robot.simulation.true_place()
+    assert (x, y, heading) == pytest.approx((3.38, 3.0, 0.0), abs=0.03)
+    assert vocabulary.wait(lambda: transforms.has("odom", "camera"), 5.0)
+    place = vocabulary.place_in(transforms.buffer(), "odom", "camera")
+    assert place is not None
+    assert place == pytest.approx((x - 3.0 + 0.1, y - 3.0, heading), abs=0.02)
+    at_scan = vocabulary.place_in(transforms.buffer(), "odom", "base_scan", scans.messages[0].header.stamp)
+    assert at_scan is not None
+    assert at_scan[0] < 0.3
+    assert vocabulary.place_in(transforms.buffer(), "map", "odom") is None
+    assert host.node.get_parameter("use_sim_time").value
+
+
+def test_the_checkers_way_leads_round_the_walls(examination: Examination) -> None:
+    robot = vocabulary.a_robot("rooms", factor=0.0)
+    world = robot.world
+    points = vocabulary.a_way(world, world.start[:2], world.goals[0])
+    assert math.dist(points[-1], world.goals[0]) < 0.1
+    assert vocabulary.drive_along(robot, points, timeout=30.0)
+    assert math.dist(robot.simulation.true_place()[:2], world.goals[0]) < 0.15
+    assert not robot.simulation.collisions()
+    examination.stage.tidy()
