@@ -21,6 +21,7 @@ CHAPTERS = {
     "services": "4 · Services",
     "actions": "5 · Actions",
     "debugging": "6 · Debugging",
+    "robot": "7 · A robot that finds its way",
 }
 
 

@@ -32,6 +32,7 @@ CHECK_TIMEOUT = 180.0
 ALONE = (
     *("workspace-2", "workspace-4", "workspace-5", "topics-1", "topics-4", "services-2", "services-5"),
     *("actions-2", "actions-4", "actions-5", "debugging-2", "debugging-3", "debugging-6", "debugging-7"),
+    *("robot-4", "robot-8", "robot-9"),
 )
 
 

@@ -1,0 +1,180 @@
+"""Answers to robot-1 and robot-2: right ones in several styles, and wrong ones that students give."""
+
+from __future__ import annotations
+
+from tests.exercises.chapter import Answers, Wrong, changed, worked
+
+AHEAD, WALL = worked("robot-1"), worked("robot-2")
+
+BY_HAND = """
+class AheadOfRobot(Node):
+    def __init__(self):
+        Node.__init__(self, "ahead_of_robot")
+        self.buffer = Buffer(node=self)
+        self.listener = TransformListener(self.buffer, self)
+        self.points = self.create_publisher(PointStamped, "/ahead_of_robot", qos_profile_sensor_data)
+        self.timer = self.create_timer(1 / 5, self.say)
+
+    def say(self):
+        if not self.buffer.can_transform("odom", "base_link", Time()):
+            return
+        there = self.buffer.lookup_transform("odom", "base_link", Time()).transform
+        x, y = seen_from((there.translation.x, there.translation.y, heading(there.rotation)), 1.0, 0.0)
+        message = PointStamped()
+        message.header.frame_id, message.header.stamp = "odom", self.get_clock().now().to_msg()
+        message.point.x, message.point.y = x, y
+        self.points.publish(message)
+"""
+FROM_ODOMETRY = """
+class AheadOfRobot(Node):
+    def __init__(self):
+        super().__init__("ahead_of_robot")
+        self.last = None
+        self.points = self.create_publisher(PointStamped, "ahead_of_robot", 10)
+        self.create_subscription(Odometry, "odom", self.keep, 10)
+        self.create_timer(0.2, self.tick)
+
+    def keep(self, message):
+        self.last = message
+
+    def tick(self):
+        if self.last is None:
+            return
+        pose = self.last.pose.pose
+        angle = heading(pose.orientation)
+        point = PointStamped(header=self.last.header)
+        point.point.x, point.point.y = pose.position.x + math.cos(angle), pose.position.y + math.sin(angle)
+        self.points.publish(point)
+"""
+ASYNC_WALL = """
+class NearestWall(Node):
+    def __init__(self):
+        super().__init__("nearest_wall")
+        self.buffer = Buffer()
+        self.listener = TransformListener(self.buffer, self, spin_thread=False)
+        self.out = self.create_publisher(PointStamped, "nearest_wall", 10)
+        self.create_subscription(LaserScan, "scan", self.hear, 10 and qos_profile_sensor_data)
+
+    def hear(self, scan):
+        hits = [(r, n) for n, r in enumerate(scan.ranges) if scan.range_min <= r <= scan.range_max]
+        try:
+            there = self.buffer.lookup_transform("odom", "base_scan", scan.header.stamp)
+        except TransformException as error:
+            self.get_logger().warning(str(error))
+            return
+        distance, number = min(hits)
+        angle = scan.angle_min + number * scan.angle_increment
+        place = there.transform.translation.x, there.transform.translation.y, heading(there.transform.rotation)
+        point = PointStamped(header=there.header)
+        point.point.x, point.point.y = seen_from(place, distance * math.cos(angle), distance * math.sin(angle))
+        self.out.publish(point)
+"""
+WAITING = """
+class NearestWall(Node):
+    def __init__(self):
+        super().__init__("nearest_wall")
+        self.buffer = Buffer()
+        self.listener = TransformListener(self.buffer, self)
+        self.publisher = self.create_publisher(PointStamped, "nearest_wall", 10)
+        self.scans = []
+        self.create_subscription(LaserScan, "scan", self.scans.append, qos_profile_sensor_data)
+        self.create_timer(0.05, self.look)
+
+    def look(self):
+        for scan in list(self.scans):
+            stamp = Time.from_msg(scan.header.stamp)
+            if self.buffer.can_transform("odom", scan.header.frame_id, stamp):
+                self.scans.remove(scan)
+                self.tell(scan, self.buffer.lookup_transform("odom", scan.header.frame_id, stamp))
+        del self.scans[:-5]
+
+    def tell(self, scan, there):
+        ranges = np.array([r if scan.range_min <= r <= scan.range_max else np.inf for r in scan.ranges])
+        n = int(ranges.argmin())
+        hit = PointStamped(header=scan.header)
+        hit.point.x = float(ranges[n]) * math.cos(n * scan.angle_increment)
+        hit.point.y = float(ranges[n]) * math.sin(n * scan.angle_increment)
+        self.publisher.publish(do_transform_point(hit, there))
+"""
+LOOKED_UP = 'there = self.buffer.lookup_transform("odom", "base_link", Time())'
+FIXED = [
+    (f"            {LOOKED_UP}\n", "            self.there = getattr(self, 'there', None) or self.look()\n"),
+    (", there))", ", self.there))\n\n    def look(self):\n        " + LOOKED_UP.replace("there =", "return")),
+]
+DEGREES = (
+    "self.points.publish(do_transform_point(ahead, there))",
+    "at, turn = there.transform.translation, math.degrees(heading(there.transform.rotation))\n"
+    "        ahead.header = there.header\n"
+    "        ahead.point.x, ahead.point.y = seen_from((at.x, at.y, turn), 1.0, 0.0)\n"
+    "        self.points.publish(ahead)",
+)
+NOT_TRANSFORMED = (
+    "self.points.publish(do_transform_point(ahead, there))",
+    'ahead.header = there.header\n        ahead.header.frame_id = "odom"\n        self.points.publish(ahead)',
+)
+IS_HIT = "(ranges >= scan.range_min) & (ranges <= scan.range_max)"
+
+ANSWERS = [
+    Answers(
+        "robot-1",
+        2,
+        AHEAD,
+        [
+            Wrong("swapped", changed(AHEAD, ('"odom", "base_link"', '"base_link", "odom"')), 0, "Their header says"),
+            Wrong("degrees", changed(AHEAD, DEGREES), 1, "in degrees"),
+            Wrong(
+                "frame",
+                changed(
+                    AHEAD,
+                    (
+                        "self.points.publish(do_transform_point(ahead, there))",
+                        "seen = do_transform_point(ahead, there)\n"
+                        '        seen.header.frame_id = "base_link"\n        self.points.publish(seen)',
+                    ),
+                ),
+                0,
+                "Their header says 'base_link'",
+            ),
+            Wrong("fixed", changed(AHEAD, *FIXED), 1, "Look the transform up for each"),
+            Wrong("not_transformed", changed(AHEAD, NOT_TRANSFORMED), 1, "as it is in base_link"),
+            Wrong("itself", changed(AHEAD, ("ahead.point.x = 1.0", "ahead.point.x = 0.0")), 1, "the robot itself"),
+            Wrong("aside", changed(AHEAD, ("ahead.point.x", "ahead.point.y")), 1, "y to the left"),
+            Wrong("ten_a_second", changed(AHEAD, ("0.2, self.tick", "0.1, self.tick")), 1, "for each second of these"),
+        ],
+        {"by_hand": BY_HAND, "from_odometry": FROM_ODOMETRY},
+    ),
+    Answers(
+        "robot-2",
+        3,
+        WALL,
+        [
+            Wrong(
+                "latest",
+                changed(WALL, ("Time.from_msg(scan.header.stamp)", "Time()")),
+                0,
+                "have a point with their stamp",
+            ),
+            Wrong(
+                "latest_with_the_scans_stamp",
+                changed(
+                    WALL,
+                    ("stamp = Time.from_msg(scan.header.stamp)", "stamp = Time()"),
+                    (
+                        "self.points.publish(do_transform_point(hit, there))",
+                        "seen = do_transform_point(hit, there)\n        seen.header.stamp = scan.header.stamp\n"
+                        "        self.points.publish(seen)",
+                    ),
+                ),
+                1,
+                "if the scan were new",
+            ),
+            Wrong("no_laser_offset", changed(WALL, ("scan.header.frame_id, stamp", '"base_link", stamp')), 1, "3 cm"),
+            Wrong("raises", changed(WALL, ("except TransformException", "except ZeroDivisionError")), 2, "raised"),
+            Wrong("minimum_of_all", changed(WALL, (IS_HIT, "~np.isnan(ranges)")), 2, "A hit is between"),
+            Wrong("only_finite", changed(WALL, (IS_HIT, "np.isfinite(ranges)")), 2, "A hit is between"),
+            Wrong("degrees", changed(WALL, ("* scan.angle_increment", "* 1.0")), 1, "in radians"),
+            Wrong("reliable", changed(WALL, ("qos_profile_sensor_data", "10")), 0, "asks for RELIABLE"),
+        ],
+        {"message_stamp": ASYNC_WALL, "waits_in_a_list": WAITING},
+    ),
+]
