@@ -52,6 +52,7 @@ SECONDS = {
     "exercises of robot": 110,
     "03_topics": 109,
     "04_services": 106,
+    "07_robot": 130,
     "exercises of services-2": 103,
     "exercises of debugging-6": 101,
     "exercises of actions-2": 97,
