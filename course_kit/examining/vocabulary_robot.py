@@ -7,6 +7,7 @@ scipy take their time to be loaded, so they are, with the first robot.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,7 @@ FACTOR = 4.0  # simulated seconds a second
 PATIENCE = 60.0  # s of real time that there is for an answer that drives and is late
 REMEMBERED = Duration(seconds=3600)  # of simulated time
 SPEED = 0.2  # m/s
-COMMAND_PERIOD = 0.1  # simulated s from command to command of the checker's
+WAITS = 12.0  # s of real time in all that a Pace waits for an answer
 ROBOT = "/robot"
 MATCH_TIMEOUT = 5.0
 
@@ -74,20 +75,47 @@ def wait_simulated(robot: Robot, seconds: float, timeout: float) -> bool:
     return wait(lambda: robot.simulation.time >= until, timeout, "the simulation to go on")
 
 
-def drive(robot: Robot, linear: float, angular: float, seconds: float, timeout: float) -> bool:
+class Pace:
+    """Drives the robot, and has time stand nearly still while an answer is late: then its timers miss nothing.
+
+    Late is an answer of which nothing was heard for `gap` simulated seconds. It is waited for WAITS s of real time in
+    all, so that one that stays silent is judged, too.
+    """
+
+    def __init__(self, robot: Robot, heard: Heard, gap: float) -> None:
+        self._robot, self._heard, self._gap = robot, heard, gap
+        self._count, self._came, self._left = -1, 0.0, WAITS
+        self._looked = time.monotonic()
+
+    def command(self, linear: float, angular: float) -> None:
+        """Have it drive (m/s, rad/s); to be called again and again."""
+        simulation, vehicle = self._robot.simulation, self._robot.vehicle
+        now, looked = simulation.time, time.monotonic()
+        if len(self._heard) != self._count:
+            self._count, self._came = len(self._heard), now
+        is_late = now - self._came > self._gap and self._left > 0
+        if is_late:
+            self._left -= min(looked - self._looked, 0.1)  # the checker itself may have had no turn for longer
+        self._looked = looked
+        # Time goes slowly for whoever's command is older than half the time for which it holds.
+        vehicle.command(linear, angular, now - (0.6 * vehicle.timeout if is_late else 0.0))
+
+
+def drive(
+    robot: Robot, linear: float, angular: float, seconds: float, timeout: float, pace: Pace | None = None
+) -> bool:
     """Have the checker drive it (m/s, rad/s) for so many simulated seconds, then stop; whether there was time for it.
 
-    It goes past the topics: the answer hears no command, and none is late.
+    It goes past the topics: the answer hears no command, and none is late, but for a `pace` that waits for it.
     """
     simulation, vehicle = robot.simulation, robot.vehicle
     until = simulation.time + seconds
-    sent = -math.inf
 
     def is_over() -> bool:
-        nonlocal sent
-        if simulation.time - sent >= COMMAND_PERIOD:
-            sent = simulation.time
-            vehicle.command(linear, angular, sent)
+        if pace is not None:
+            pace.command(linear, angular)
+        else:
+            vehicle.command(linear, angular, simulation.time)
         return simulation.time >= until
 
     is_done = wait(is_over, timeout, "the robot to drive")

@@ -14,6 +14,7 @@ from course_kit.examining.exercise import exercise
 from course_kit.examining.late_scans import LASER, REMAPPED, LateScans
 from course_kit.examining.vocabulary import answer, chance, expect, raised, require, wait
 from course_kit.examining.vocabulary_robot import (
+    Pace,
     a_robot,
     drive,
     expect_stamped,
@@ -35,6 +36,7 @@ AHEAD: Place = (1.0, 0.0, 0.0)
 
 EXACT = 0.02  # m, of a point whose stamp is that of a scan
 OLDEST = 0.3  # s after its stamp at which a scan comes at the latest
+SILENT = 0.7  # s from point to point: more than a scan that comes late, and whose point comes with the next one
 TURN = 9.0  # simulated s for which the robot turns
 ENOUGH = 0.8  # of the scans, for who is late on a busy machine
 
@@ -47,9 +49,9 @@ def ahead_of_robot() -> None:
     answer(use_sim_time=True)
     expect_topic("/ahead_of_robot", PointStamped)
     transforms, points = hear_tf(), listen("/ahead_of_robot", PointStamped)
-    side = chance().choice((1, -1))
+    side, pace = chance().choice((1, -1)), Pace(robot, points, 1.5 / RATE)
     for turning in (side * chance().uniform(0.7, 0.9), -side * chance().uniform(0.4, 0.6)):
-        drive(robot, chance().uniform(0.1, 0.18), turning, ARC, timeout=20.0)
+        drive(robot, chance().uniform(0.1, 0.18), turning, ARC, timeout=30.0, pace=pace)
     wait_simulated(robot, 0.5, timeout=10.0)
     heard = points.messages
     require(
@@ -93,7 +95,9 @@ def _away(point: Any, track: list[tuple[float, Place]], step: Place) -> float:
     """Metres from a point to where this step led from the robot, at about that time; inf for a time without any."""
     stamp = seconds_of(point.header.stamp)
     times = [time for time, _ in track]
-    near = track[bisect_left(times, stamp - EARLIER) : bisect_right(times, stamp + LATER)]
+    # Before the first place that was heard it stood there already.
+    near = track[:1] if times and stamp < times[0] else []
+    near += track[bisect_left(times, stamp - EARLIER) : bisect_right(times, stamp + LATER)]
     places = [after(place, step) for _, place in near]
     return min((math.dist(place[:2], (point.point.x, point.point.y)) for place in places), default=math.inf)
 
@@ -160,16 +164,16 @@ def nearest_wall() -> None:
     scans.out.publish(old)
     wait_simulated(robot, 0.5, timeout=10.0)
     turning = chance().choice((1, -1)) * chance().uniform(0.9, 1.4)
-    begun = robot.simulation.time
+    begun, pace = robot.simulation.time, Pace(robot, points, SILENT)
 
     def is_over() -> bool:
-        robot.vehicle.command(0.0, turning, robot.simulation.time)
+        pace.command(0.0, turning)
         scans.pass_on()
         return bool(robot.simulation.time > begun + TURN)
 
-    wait(is_over, 30.0, "the robot to turn")
+    wait(is_over, 40.0, "the robot to turn")
     robot.vehicle.command(0.0, 0.0, robot.simulation.time)
-    wait(lambda: len(points) >= len(scans.sent), 1.0)
+    wait(lambda: len(points) >= len(scans.sent), 3.0)
     sent = [(scan, seconds_of(scan.header.stamp) in spoiler.spoilt) for scan in scans.sent]
     _judge_walls(sent, {seconds_of(one.header.stamp): one for one in points.messages}, transforms.buffer())
 
