@@ -114,7 +114,10 @@ def _beam_cause(beams: list[Any], lengths: list[dict[Cell, float]], found: list[
         )
 
     if share(lambda beam, crossed: crossed) > 0.9:
-        return "The cells are right, but there are holes: from point to point less than a cell, half of one at most."
+        return (
+            "The cells are right, but there are holes: what a beam crosses by a fifth of a cell's side, points that are "
+            "further apart than that miss."
+        )
     if share(lambda beam, crossed: [(column, row) for row, column in crossed]) > 0.9:
         return "It has rows and columns the other way round: the row follows y, the column x."
     if share(lambda beam, _: _crossed(beam[0], beam[1], math.radians(beam[2]), beam[3], beam[4])) > 0.9:
