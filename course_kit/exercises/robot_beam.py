@@ -115,8 +115,8 @@ def _beam_cause(beams: list[Any], lengths: list[dict[Cell, float]], found: list[
 
     if share(lambda beam, crossed: crossed) > 0.9:
         return (
-            "The cells are right, but there are holes: what a beam crosses by a fifth of a cell's side, points that are "
-            "further apart than that miss."
+            "The cells are right, but there are holes: points along the beam that are further apart than a fifth of a "
+            "cell miss what it crosses by no more than that."
         )
     if share(lambda beam, crossed: [(column, row) for row, column in crossed]) > 0.9:
         return "It has rows and columns the other way round: the row follows y, the column x."

@@ -41,7 +41,7 @@ TURN = 9.0  # simulated s for which the robot turns
 ENOUGH = 0.8  # of the scans, for who is late on a busy machine
 
 
-@exercise("robot-1", "Ahead of the robot", points=2, level="warm-up", timeout=60, node_class="AheadOfRobot")
+@exercise("robot-1", "Ahead of the robot", points=2, level="warm-up", timeout=100, node_class="AheadOfRobot")
 def ahead_of_robot() -> None:
     """It publishes five times a second the point that is 1 m ahead of the robot, in odom."""
     robot = a_robot("empty", start=(3.0, 2.5, chance().uniform(-3.0, 3.0)))
