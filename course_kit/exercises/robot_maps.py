@@ -39,8 +39,8 @@ def map_maker() -> None:
     from course_kit.examining.judged_maps import FLOOR_SEEN, RIGHT, TRUE_WALLS, WALLS_SEEN, cause, judge
     from course_kit.navigation.messages import map_of
 
-    world, seed = chance().choice(("rooms", "office")), chance().randrange(1000)
-    robot = a_robot(world, seed=seed, factor=FACTOR, remap=REMAPPED)
+    flat, seed = chance().choice(("rooms", "office")), chance().randrange(1000)
+    robot = a_robot(flat, seed=seed, factor=FACTOR, remap=REMAPPED)
     told = Corrections(robot)
     told.tell()
     answer(use_sim_time=True)
