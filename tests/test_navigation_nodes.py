@@ -43,7 +43,7 @@ from course_kit.navigation.navigator import TF_ERROR, TIMEOUT
 from course_kit.navigation.places import Place, after
 from course_kit.programs import packages
 from course_kit.robot import Robot
-from course_kit.robot.world import Pillar, World
+from course_kit.robot.world import Pillar, Wall, World
 from course_kit.robot.worlds import world
 from tests.crossing import errors, rightness, true_map
 from tests.waiting import wait_until
@@ -203,6 +203,24 @@ def test_on_a_given_map_it_knows_where_it_is_and_drives_around_what_is_not_on_it
     # With a plan around the pillar.
     paths = [points_of(path) for path in station.heard["plan"] if path.poses]
     assert min(np.hypot(*(paths[-1] - (2.0, 1.1)).T)) > 0.3
+
+
+def test_it_plans_anew_as_soon_as_its_map_has_what_stands_on_its_path(station: Station) -> None:
+    goal, edge = (5.2, 2.5, 0.0), 4.5
+    screen = Wall(edge + 0.05, 2.5, 0.1, 0.8)  # across the way, and too far for the laser at first
+    robot = start_robot(replace(EMPTY, start=(0.7, 2.5, 0.0), walls=(*EMPTY.walls, screen)))
+    run_mapping(robot)
+    status, ended = result(station.send(goal))
+    assert (status, ended.error_code) == (GoalStatus.STATUS_SUCCEEDED, 0), ended.error_msg
+    assert errors(true_place(robot), goal)[0] < 0.2
+    assert robot.vehicle.bumps == 0
+    assert station.feedback[-1].number_of_recoveries >= 1
+    assert station.feedback[-1].navigation_time.sec < 60
+    first, second, *_ = (points_of(path) for path in station.heard["plan"] if path.poses)
+    alone = replace(EMPTY, walls=(screen,))
+    assert alone.clearances(*first.T).min() < 0 < 0.1 < alone.clearances(*second.T).min()
+    # The map has told it on its way: it did not drive there and stand before the screen.
+    assert second[0][0] < edge - 0.5
 
 
 def test_a_goal_that_is_cancelled_stops_the_robot(station: Station) -> None:
