@@ -1,4 +1,4 @@
-"""The exercises of the course: one module a chapter says what each asks and how it is checked.
+"""The exercises of the course: the modules of a chapter say what each asks and how it is checked.
 
 A check is a function that reads like the exercise's text, in the vocabulary of course_kit/examining. It runs in the
 checker, a process of its own. The modules are loaded when an exercise of theirs is asked for.
