@@ -13,7 +13,7 @@ from tests.lab import ARGUMENTS, CHROMIUM
 
 SHEET = Path(__file__).parents[1] / "notebooks/cheat_sheet.md"
 COLUMNS = ("notebook", "terminal", "rclpy")
-SCALE = 0.55  # as the sheet says
+SCALE = 0.52  # as the sheet says
 # JupyterLab's preview of Markdown: its fonts, and the edges of its tables.
 STYLE = """
 body { font: 14px/1.6 system-ui, 'Segoe UI', Helvetica, Arial, sans-serif; margin: 0; padding: 32px }

@@ -12,7 +12,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from tempfile import TemporaryFile
 
 import pytest
@@ -32,7 +32,8 @@ NOT_RUN = {
 }
 # These go on until they are interrupted, as soon as they have said what stands below.
 GO_ON = re.compile(
-    r"ros2 (run|topic (echo (?!.*--once)|pub (?!.*--once)|hz|bw)|launch (?!.*--show-args)|bag record)|\S+ program\.py"
+    r"ros2 (run (?!tf2_tools)|topic (echo (?!.*--once)|pub (?!.*--once)|hz|bw)|launch (?!.*--show-args)|bag record)|"
+    r"\S+ program\.py"
 )
 SAYS = {
     "ros2 run my_first_pkg talker": "Hello World: 3",
@@ -51,6 +52,7 @@ SAYS = {
     "ros2 service type": "std_srvs/srv/Empty",
     "ros2 service call": r"std_srvs\.srv\.Empty_Response\(\)",
     "ros2 action list": "/turtle1/rotate_absolute",
+    "ros2 action send_goal /navigate_to_pose": "Goal finished with status: SUCCEEDED",
     "ros2 action send_goal": "(?s)Feedback:.*Goal finished with status: SUCCEEDED",
     "ros2 param list": "background_r",
     "ros2 param set": "Set parameter successful",
@@ -62,8 +64,15 @@ SAYS = {
     "ros2 bag record": "(?s)All requested topics are subscribed.*",
     "ros2 bag info": r"Topic: /turtle1/pose .*Count: [1-9]",
     "printenv": r"\d+",
+    "ros2 run course_robot robot": "In the world office at",
+    "ros2 run tf2_ros tf2_echo": r"Translation: \[",
 }
 AFTER = {"cancel it, get its result": "send a goal"}  # a row that goes on with what another one has begun
+# A row whose commands and code are about what notebook columns have begun, its own or another row's.
+BESIDE = {
+    "know where frames are: tf": ("run a robot",),
+    "have it find its way": ("run a robot", "have it find its way"),
+}
 IN_A_PROGRAM = {"run a node": "Hello World: 3", "end it": "ended"}  # what they say; in a kernel these would end it all
 LAUNCH = """from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument
@@ -86,12 +95,15 @@ def generate_launch_description():
 """
 IMPORTS = """
 import rclpy
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, TwistStamped
+from nav2_msgs.action import NavigateToPose
 from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
 from std_msgs.msg import String
 from std_srvs.srv import Empty, Trigger
+from tf2_ros import Buffer, TransformListener
 from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Pose
 
@@ -119,6 +131,8 @@ def main():
 NODES = """
 from course_kit import *
 from course_kit.environment import check_environment
+from course_kit.navigation import Mapper, Navigator, Planner
+from course_kit.robot import Robot
 
 class Lamp(Node):
     def __init__(self):
@@ -144,6 +158,8 @@ if not any(node.get_name() == "sheet" for node in nodes()):
     assert client.wait_for_service(20.0) and turn.wait_for_server(20.0)
 if "sent" in globals():
     wait_for(sent)
+if hasattr(self, "ear"):
+    wait_for(lambda: self.buffer.can_transform("odom", "base_scan", Time()))
 """
 
 
@@ -153,6 +169,7 @@ class Bench:
 
     workspace: Workspace
     kernel: Kernel
+    begun: set[str] = field(default_factory=set)  # rows whose notebook column has run
 
     def in_a_terminal(self, command: str, what: str = "") -> None:
         """Run it in bash; interrupt it as soon as it has said what it goes on with."""
@@ -193,6 +210,15 @@ class Bench:
         self.kernel.run(RUN, PATIENCE)
         self.kernel.run(code, PATIENCE)
 
+    def begin(self, cell: Cell) -> None:
+        """Run the notebook columns of the rows that this one is about, unless they have run."""
+        for one in cells():
+            if one.column == "notebook" and one.task in BESIDE.get(cell.task, ()) and one != cell:
+                if one.task not in self.begun:
+                    for code in one.codes:
+                        self.in_the_kernel(code)
+                self.begun.add(one.task)
+
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
@@ -225,6 +251,9 @@ def name(cell: Cell) -> str:
 @pytest.mark.parametrize("cell", cells(), ids=name)
 def test_what_the_sheet_says_runs(cell: Cell, bench: Bench) -> None:
     codes = [code for code in cell.codes if code not in NOT_RUN]
+    bench.begin(cell)
+    if cell.column == "notebook":
+        bench.begun.add(cell.task)
     if cell.column == "terminal":
         for code in codes:
             bench.in_a_terminal(code)
