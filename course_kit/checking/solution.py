@@ -65,7 +65,7 @@ class Shown:
 def _compared(asked: Exercise, found: Worked) -> list[str]:
     """What differs in the student's answer, as far as it is there; whatever that is, it raises nothing."""
     told: list[str] = []
-    for compare in (_class, _values, _files):
+    for compare in (_class, _function, _values, _files):
         with contextlib.suppress(Exception):
             told += compare(asked, found)
     items = [each if each.startswith("```") or each.endswith(":") else f"- {each}" for each in told]
@@ -82,6 +82,18 @@ def _class(asked: Exercise, found: Worked) -> Iterator[str]:
         yield f"This notebook has no class `{name}` now: run your answer, and `solution` again, to see what differs."
         return
     yield from differences.of_classes(mine, theirs, notebook.names()) or [f"Your `{name}` is the same code."]
+
+
+def _function(asked: Exercise, found: Worked) -> Iterator[str]:
+    name = asked.function
+    theirs = answered.function_source(name, found.cells) if name else None
+    if name is None or theirs is None:
+        return
+    mine = answered.function_source(name, answered.cells_run()) if name in notebook.names() else None
+    if mine is None:
+        yield f"No cell that ran here has `def {name}`: run your answer, and `solution` again, to see what differs."
+        return
+    yield from differences.of_functions(mine, theirs) or [f"Your `{name}` is the same code."]
 
 
 def _values(asked: Exercise, found: Worked) -> Iterator[str]:

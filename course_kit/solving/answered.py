@@ -12,14 +12,29 @@ from course_kit import kernel
 
 def class_source(name: str, cells: Sequence[Any]) -> str | None:
     """The source of the class that the last of these cells defines by this name; None if none does."""
+    return _source(name, cells, ast.ClassDef)
+
+
+def function_source(name: str, cells: Sequence[Any]) -> str | None:
+    """The same for a function; a method of a class is none."""
+    return _source(name, cells, ast.FunctionDef)
+
+
+def _source(name: str, cells: Sequence[Any], kind: type[ast.ClassDef | ast.FunctionDef]) -> str | None:
     for source in reversed(cells):
         if not isinstance(source, str) or name not in source:
             continue
         with contextlib.suppress(SyntaxError, ValueError, RecursionError):
-            found = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.ClassDef)]
+            tree = ast.parse(source)
+            found = [node for node in ast.walk(tree) if isinstance(node, kind) and node not in _methods(tree)]
             if same := [node for node in found if node.name == name]:
                 return ast.get_source_segment(source, same[-1])
     return None
+
+
+def _methods(tree: ast.AST) -> list[ast.stmt]:
+    classes = (node for node in ast.walk(tree) if isinstance(node, ast.ClassDef))
+    return [node for each in classes for node in each.body if isinstance(node, ast.FunctionDef)]
 
 
 def plain_values(source: str) -> Iterator[tuple[str, Any]]:

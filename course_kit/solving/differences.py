@@ -23,6 +23,12 @@ def of_classes(mine: str, theirs: str, values: Mapping[str, Any] | None = None) 
     return words or of_texts(normalised(mine), normalised(theirs))
 
 
+def of_functions(mine: str, theirs: str) -> list[str]:
+    """The same for two sources of a function, which has nothing to do with ROS."""
+    mine, theirs = normalised(mine), normalised(theirs)
+    return [] if mine == theirs else of_texts(mine, theirs)
+
+
 def of_files(mine: str, theirs: str) -> list[str]:
     """The same for two files; those that have a class of the same name are compared as classes."""
     names = [node.name for node in _tree(theirs).body if isinstance(node, ast.ClassDef)]

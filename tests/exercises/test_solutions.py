@@ -69,6 +69,13 @@ def test_the_newest_cell_that_defines_a_class_is_the_answer() -> None:
     assert answered.class_source("C", cells) is None
 
 
+def test_the_newest_cell_that_defines_a_function_is_the_answer_and_no_method_is() -> None:
+    cells = ["def f(x): return x", "import f\ndef f(x):\n    return 2", "class A:\n    def f(self): pass", "f(3)", None]
+    assert answered.function_source("f", cells) == "def f(x):\n    return 2"
+    assert answered.function_source("A", cells) is None
+    assert answered.class_source("f", cells) is None
+
+
 def test_plain_values_are_read_from_tuples_too() -> None:
     source = 'a, b = "x", {2, 1}\nc = int(a)\nd = e = 3\n(f, g) = h'
     assert list(answered.plain_values(source)) == [("a", "x"), ("b", {1, 2}), ("d", 3)]
@@ -150,6 +157,25 @@ def test_then_the_reason_and_the_code_are_shown(state: Path, capsys: pytest.Capt
     shown = capsys.readouterr().out
     assert shown.startswith("**topics-2 · Why does nothing arrive?**: a solution\n\nThe laser offers best effort.")
     assert "```python\nfrom rclpy.qos import qos_profile_sensor_data\n" in shown
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("def cells", "# Mine.\ndef cells"), "- Your `cells_of_beam` is the same code."),
+        (("math.floor(up", "int(up"), "-        return (int(up / resolution), math.floor(across / resolution))\n+    "),
+        (("def cells_of_beam", "def other"), "- No cell that ran here has `def cells_of_beam`: run your answer,"),
+    ],
+)
+def test_of_a_function_too_it_is_said_what_differs(
+    state: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], change: tuple[str, str], told: str
+) -> None:
+    code = changed(reference("robot-3"), change)
+    monkeypatch.setattr(answered, "cells_run", lambda: [code, "class Old:\n    def cells_of_beam(self): pass"])
+    monkeypatch.setattr(notebook, "names", lambda: {"cells_of_beam": print})
+    progress.record(Verdict("robot-3", "", 3, findings=(Finding("all", True, max_points=3),)))
+    solution("robot-3")
+    assert told in capsys.readouterr().out.partition("**And yours?**")[2]
 
 
 def test_while_it_is_graded_none_is_shown(
