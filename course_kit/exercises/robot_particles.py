@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,7 @@ from course_kit.navigation.messages import place_of
 from course_kit.navigation.places import Place, wrapped
 
 Floats = npt.NDArray[np.float64]
-ANSWER = 3.0  # seconds
+ANSWER = 6.0  # seconds
 SAME = 1e-4  # m and rad: a copy is the particle
 ROUNDED = 1e-6  # of a copy
 NEAR = 0.01  # m and rad of the estimate
@@ -80,22 +79,26 @@ def resample() -> None:
     sender = publisher("/particles", Float64MultiArray)
     expect_compatible_subscription("/particles", sender)
     heard = listen("/resampled", PoseArray), listen("/estimate", PoseStamped)
-    silent: set[str] = set()
+    silent: set[Heard] = set()
 
     def draw(cloud: Floats) -> Drawn:
-        before = [len(one) for one in heard]
+        before = {one: len(one) for one in heard}
+
+        def missing() -> set[Heard]:
+            return {one for one in heard if len(one) == before[one]} - silent
+
         sender.publish(_message(cloud))
-        new = []
-        for one, b in zip(heard, before, strict=True):
-            if one.topic not in silent and not wait(partial(_has_more, one, b), ANSWER, one.topic):
-                silent.add(one.topic)  # it is waited for once
-            new.append(one.messages[b : b + 1])
+        wait(lambda: not missing(), ANSWER, "an answer")
+        silent.update(missing())  # they are waited for once
+        new = [one.messages[b : b + 1] for one, b in before.items()]
         frames = [message.header.frame_id for messages in new for message in messages]
         return Drawn(cloud, _places(new[0]), _places(new[1]), frames)
 
     drawn = [draw(_cloud(chance().randint(150, 350))) for _ in range(3)]
-    hint = "Nothing came on {} within 3 s after a message on /particles: publish both in its callback."
-    require("new particles come", any(one.poses for one in drawn), hint.format("/resampled"))
+    hint = (
+        f"Nothing came on /resampled within {ANSWER:g} s after a message on /particles: publish both in its callback."
+    )
+    require("new particles come", any(one.poses for one in drawn), hint)
     _expect_particles(drawn)
     few = _cloud(40)
     served = [draw(few) for _ in range(SERVINGS)]
@@ -113,10 +116,6 @@ def resample() -> None:
         "`(np.arange(n) + random.uniform()) / n`, with one number for all marks.",
     )
     _expect_estimates(drawn)
-
-
-def _has_more(heard: Heard, before: int) -> bool:
-    return len(heard) > before
 
 
 def _cloud(count: int) -> Floats:

@@ -13,7 +13,7 @@ from tf2_msgs.msg import TFMessage
 
 from course_kit.examining.exercise import exercise
 from course_kit.examining.heard import Heard
-from course_kit.examining.vocabulary import answer, chance, expect, pause, require
+from course_kit.examining.vocabulary import answer, chance, expect, pause, require, wait
 from course_kit.examining.vocabulary_topics import (
     expect_compatible_subscription,
     expect_subscription,
@@ -27,7 +27,8 @@ from course_kit.navigation.places import Place, after, between, inverse, wrapped
 TICK = 0.02  # seconds from odom → base_link to the next
 TICKS_A_POSE = 10
 LATE = 10  # ticks by which a pose comes later than the odometry of its moment
-ANSWERED = 0.5  # seconds until all that is still to come is there
+ANSWERED = 0.5  # seconds until all that is still to come is there,
+LATEST = 3.0  # and so many before it, on a busy machine, until one for the last pose is there
 NEAR = 0.03  # m and rad; the numbers are exact
 MOST = 0.8  # of the transforms that must fit: a machine that is busy may hold one back until the next pose
 AHEAD = 1.0  # seconds by which a transform may be stamped ahead
@@ -41,6 +42,7 @@ class Told:
     odom: Place  # in the map
     poses: list[tuple[Place, Place]]  # of base_link in the map, and in odom at the same moment
     stamps: list[float]  # of the poses, s
+    end: float = math.inf  # when its time was over, s
 
     def fits(self) -> bool:
         """Whether nearly all of them put odom in its place; the first may come before the part's first pose."""
@@ -80,9 +82,13 @@ class Drive:
                 told.poses.append((on_map, place))
                 told.stamps.append(_seconds(stamp))
             pause(TICK)
+        wait(lambda: any(_seconds(one.header.stamp) >= told.stamps[-1] for one in self._since(before)), LATEST)
         pause(ANSWERED)
-        told.transforms = [one for message in self._heard.messages[before:] for one in message.transforms]
+        told.transforms, told.end = self._since(before), time.time()
         return told
+
+    def _since(self, before: int) -> list[TransformStamped]:
+        return [one for message in self._heard.messages[before:] for one in message.transforms]
 
 
 @exercise("robot-5", "map → odom", points=4, level="harder", timeout=40, node_class="MapToOdom")
@@ -161,7 +167,7 @@ def _stamps(parts: tuple[Told, ...]) -> tuple[str, bool]:
             late = _seconds(one.header.stamp) - part.stamps[0]
             if late < -1e-6 and _is_near(place_of(one.transform), part.odom):
                 return ("0" if _seconds(one.header.stamp) == 0 else f"{-late:.1f} s before its pose"), False
-            if late > part.stamps[-1] - part.stamps[0] + AHEAD + 2 * ANSWERED:
+            if late > part.end - part.stamps[0] + AHEAD:
                 return f"{late:.1f} s after its pose", False
     return "", True
 
