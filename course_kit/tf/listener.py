@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterator
 from threading import Thread
 
 from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -17,6 +19,7 @@ from course_kit.tf.buffer import Buffer
 
 AUTHORITY = "default_authority"  # rclpy does not tell who has sent a message
 PAUSE = 1.0  # seconds between two looks whether the node still listens
+DEPTH = 100  # messages that may wait
 
 
 class TransformListener:
@@ -43,13 +46,13 @@ class TransformListener:
         # Beside other callbacks of the node, that one of these may wait for a transform.
         self.group = ReentrantCallbackGroup()
         self.tf_sub = node.create_subscription(
-            TFMessage, TF, self.callback, 100 if qos is None else qos, callback_group=self.group
+            TFMessage, TF, self.callback, DEPTH if qos is None else qos, callback_group=self.group
         )
         self.tf_static_sub = node.create_subscription(
             TFMessage,
             TF_STATIC,
             self.static_callback,
-            kept_qos(depth=100) if static_qos is None else static_qos,
+            kept_qos(depth=DEPTH) if static_qos is None else static_qos,
             callback_group=self.group,
         )
         if spin_thread:
@@ -69,9 +72,25 @@ class TransformListener:
             self.executor.wake()
 
     def callback(self, data: TFMessage) -> None:
-        """Take in transforms of /tf."""
-        for transform in data.transforms:
-            self.buffer.set_transform(transform, AUTHORITY)
+        """Take in transforms of /tf, and those that wait behind them.
+
+        An executor hands on one message a turn, and a node that gets fewer turns than messages, as on a busy machine,
+        would go by transforms that are a hundred messages old.
+        """
+        for message in (data, *self._waiting()):
+            for transform in message.transforms:
+                self.buffer.set_transform(transform, AUTHORITY)
+
+    def _waiting(self) -> Iterator[TFMessage]:
+        subscription = getattr(self, "tf_sub", None)  # a thread may spin the node already
+        if subscription is None:
+            return
+        with contextlib.suppress(InvalidHandle), subscription.handle:
+            for _ in range(DEPTH):
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+                if taken is None:
+                    return
+                yield taken[0]
 
     def static_callback(self, data: TFMessage) -> None:
         """Take in transforms of /tf_static."""

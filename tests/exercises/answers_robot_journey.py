@@ -67,7 +67,7 @@ class DriveThere(Node):
         if not answer.plan.poses:
             return "abort"
         pursuit, there = Pursuit(points_of(answer.plan), self.limits), place_of(goal.pose)
-        stuck, arrived = 0, False
+        arrived, since, last = False, self.get_clock().now(), begin
         while not handle.is_cancel_requested:
             here = self.where()
             left = pursuit.remaining(here)
@@ -80,8 +80,9 @@ class DriveThere(Node):
             if not arrived and self.points is not None:
                 beside = float(np.hypot(*self.points.T).min())
                 v, w = pursuit.command(here, room_ahead(self.points, self.limits), beside)
-            stuck = stuck + 1 if v < 0.02 and abs(w) < 0.3 and not arrived else 0
-            if stuck > 40:
+            if arrived or np.hypot(here[0] - last[0], here[1] - last[1]) > 0.08:
+                since, last = self.get_clock().now(), here
+            if self.get_clock().now() - since > Duration(seconds=8.0):
                 return "abort"
             self.send(v, w)
             self.rate.sleep()

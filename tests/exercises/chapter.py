@@ -27,7 +27,7 @@ NOTEBOOKS = dict(zip(CHAPTERS, sorted(path.stem for path in FOLDER.glob("[0-9][0
 LINE_END = "\n"
 MAGIC = re.compile(r"%%(\w+) ?(.*)\n((?:.|\n)*)")
 CELL_TIMEOUT = 240.0  # some build a package
-CHECK_TIMEOUT = 180.0
+CHECK_TIMEOUT = 300.0
 # Their answers take minutes together.
 ALONE = (
     *("workspace-2", "workspace-4", "workspace-5", "topics-1", "topics-4", "services-2", "services-5"),
