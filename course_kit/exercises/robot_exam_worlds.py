@@ -1,0 +1,85 @@
+"""The worlds of chapter 7's exam: in each the goal is behind walls of which nobody knows at the start. No ROS nodes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from course_kit.examining.vocabulary import chance
+from course_kit.examining.vocabulary_robot import a_way
+from course_kit.robot.shape import LASER, LONGEST, RADIUS, RAYS
+from course_kit.robot.world import World
+from course_kit.robot.worlds import NAMES, world
+
+if TYPE_CHECKING:
+    from course_kit.navigation.grid_map import GridMap
+
+Point = tuple[float, float]
+SHORTEST, FARTHEST = 2.0, 6.0  # metres of way to a goal
+BY_HEART = 0.5  # metres, seen from the start, from a goal of the worlds that everybody knows
+
+
+@dataclass(frozen=True)
+class Task:
+    """A world, the place in it to go to, and the metres of the shortest way there."""
+
+    world: World
+    goal: Point
+    way: float
+
+
+def draw(kind: str) -> Task:
+    """A task in a world of this kind that no one passes by luck.
+
+    Neither as the crow flies nor by a plan made at the start can the robot get there, nor is the goal, seen from the
+    start, where one of the worlds without a seed has one.
+    """
+    while True:
+        where = world(kind, chance().randrange(1_000, 1_000_000))
+        for goal in chance().sample(where.goals, len(where.goals)):
+            if math.dist(where.start[:2], goal) > FARTHEST or _is_known(where, goal) or _is_straight(where, goal):
+                continue
+            way = _length(a_way(where, where.start[:2], goal))
+            if SHORTEST < way < FARTHEST and _is_hidden(where, goal):
+                return Task(where, goal, way)
+
+
+def _is_known(where: World, goal: Point) -> bool:
+    from course_kit.navigation.places import between
+
+    known = [(one.start, place) for one in map(world, NAMES) for place in one.goals]
+    seen = between(where.start, (*goal, 0.0))[:2]
+    return any(math.dist(seen, between(start, (*place, 0.0))[:2]) < BY_HEART for start, place in known)
+
+
+def _is_straight(where: World, goal: Point) -> bool:
+    """Whether nothing is between start and goal."""
+    straight = np.linspace(where.start[:2], goal, 200)
+    return bool(where.clearances(*straight.T).min() > 0)
+
+
+def _is_hidden(where: World, goal: Point) -> bool:
+    """Whether a plan made at the start leads through something that stands there."""
+    from course_kit.navigation.planning import CostMap, plan
+
+    first = plan(CostMap(_first_map(where), RADIUS, into_unknown=True), where.start[:2], goal)
+    return bool(where.clearances(*first.T).min() < 0)
+
+
+def _first_map(where: World) -> GridMap:
+    """The map that a scan at the start gives."""
+    from course_kit.navigation.grid import Grid
+    from course_kit.navigation.places import after
+
+    grid, angles = Grid(), np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS)
+    laser = after(where.start, (LASER[0], LASER[1], 0.0))
+    grid.add(laser, angles, where.distances(laser[0], laser[1], angles + laser[2]), LONGEST)
+    return grid.map()
+
+
+def _length(way: list[Point]) -> float:
+    return sum(math.dist(a, b) for a, b in pairwise(way))
