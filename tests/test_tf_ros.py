@@ -34,6 +34,7 @@ from tf2_ros import (
     TransformListener,
 )
 
+from course_kit.internals.rclpy_parts import fast_executor
 from course_kit.spinning import context
 from tests.transforms import at, place
 from tests.waiting import wait_until
@@ -147,6 +148,28 @@ def test_what_a_node_broadcasts_another_looks_up(stage: Stage) -> None:
     broadcaster.sendTransform(at("base_link", "odom", 2.0, x=4.0))
     stage.until(lambda: buffer.can_transform("odom", "base_link", Time(seconds=1.5)))
     assert place(buffer.lookup_transform("odom", "base_link", Time(seconds=1.5)))[0] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("is_fast", [False, True])
+def test_a_listener_takes_all_that_waits_in_one_turn(stage: Stage, is_fast: bool) -> None:
+    if is_fast:
+        stage.executor.shutdown()
+        stage.executor = fast_executor(rclpy.get_default_context())
+    broadcaster = TransformBroadcaster(stage.node("robot"))
+    buffer = Buffer()
+    kept = TransformListener(buffer, stage.node("planner"))
+    stage.until(lambda: broadcaster.pub_tf.get_subscription_count() == 1)
+    for tenth in range(60):
+        broadcaster.sendTransform(at("base_link", "odom", tenth / 10, x=float(tenth)))
+    assert broadcaster.pub_tf.wait_for_all_acked(Duration(seconds=20))
+    stage.until(lambda: buffer.can_transform("odom", "base_link", LATEST))
+    turns = 0
+    while place(buffer.lookup_transform("odom", "base_link", LATEST))[0] < 59 and turns < 30:
+        stage.executor.spin_once(timeout_sec=0.1)
+        turns += 1
+    assert turns < 30
+    assert place(buffer.lookup_transform("odom", "base_link", Time(seconds=2)))[0] == pytest.approx(20)
+    kept.unregister()
 
 
 def test_who_comes_late_gets_all_that_is_static(stage: Stage) -> None:
