@@ -39,9 +39,8 @@ class Simulation:
     def __init__(self, world: World, factor: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
         """`factor`: simulated seconds a second; 0: as fast as it goes."""
         self.world = world
-        self.factor = factor
         self.ticks = 0
-        self._tick_period = TICK / factor if factor else 0.0  # s of real time
+        self.go_at(factor)
         self._clock = clock
         self._due: float | None = None  # when the next tick is, by the clock
         self._ticked_at = -math.inf  # when the last tick was, by the clock
@@ -119,6 +118,11 @@ class Simulation:
         raise ValueError(f"the world {self.world.name!r} has no room for one more robot near its start")
 
     # Time goes on.
+
+    def go_at(self, factor: float) -> None:
+        """Go at so many simulated seconds a second from now on; 0: as fast as it goes."""
+        self.factor = factor
+        self._tick_period = TICK / factor if factor else 0.0  # s of real time
 
     def advance(self) -> None:
         """Have happen what is due by now, for AT_ONCE at most. Returns at once if another thread is at it."""
