@@ -108,6 +108,10 @@ def test_remarks_docstrings_and_layout_are_no_difference() -> None:
     assert told("topics-3", ("(Node):", '(Node):\n    """Mine."""\n')) == []
 
 
+def test_the_stamp_of_a_message_is_nothing_of_rclpy() -> None:
+    assert not RosCalls("class A:\n    def f(self, pose):\n        return pose.header.stamp").uses
+
+
 def test_another_way_is_not_compared_line_by_line() -> None:
     other = "class Relay:\n" + "".join(f"    x{number} = {number}\n" for number in range(30))
     assert differences.of_texts(other, SOLUTIONS["topics-3"]) == [
@@ -127,7 +131,7 @@ def test_files_with_a_class_are_compared_as_classes_and_others_as_texts() -> Non
     assert differences.of_files(yaml + "\n\n", yaml) == []
 
 
-@pytest.mark.parametrize("chapter", ["topics", "services", "actions", "debugging"])
+@pytest.mark.parametrize("chapter", ["topics", "services", "actions", "debugging", "robot"])
 def test_right_answers_in_other_styles_can_all_be_compared(chapter: str) -> None:
     for answers in answers_to(chapter).ANSWERS:
         for style in answers.right.values():

@@ -134,6 +134,8 @@ def _drawn_place() -> Place:
     """A place so far from the origin, and turned so much, that no mistake looks right."""
     signs = [chance().choice((1, -1)) for _ in range(3)]
     x, y, heading = chance().uniform(1.5, 4), chance().uniform(1.5, 4), chance().uniform(0.6, 2.4)
+    while abs(wrapped(math.degrees(heading) - heading)) < 10 * NEAR:  # as degrees it would be the same turn
+        heading = chance().uniform(0.6, 2.4)
     return signs[0] * x, signs[1] * y, signs[2] * heading
 
 

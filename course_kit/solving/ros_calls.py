@@ -33,6 +33,7 @@ KEYWORDS = ("msg_type", "srv_type", "action_type"), ("topic", "srv_name", "actio
 OWN_GROUP = "the node's own callback group"
 # Keywords that can as well be places.
 PLACES = {name for names in KEYWORDS for name in names} | {"callback", "execute_callback", "timer_period_sec"}
+FIELDS = {"stamp"}  # of messages, though goal handles have them too
 LOGGING = {"debug", "info", "warning", "warn", "error", "fatal"}
 
 
@@ -52,7 +53,7 @@ def ros_names() -> frozenset[str]:
     """What nodes, their endpoints, futures and goals offer."""
     offering = Node, Publisher, Subscription, Client, Timer, Future, ActionClient, ActionServer
     offered = {name for kind in (*offering, ClientGoalHandle, ServerGoalHandle) for name in dir(kind)}
-    return frozenset(name for name in offered if not name.startswith("_") and name not in MAKERS)
+    return frozenset(name for name in offered if not name.startswith("_") and name not in {*MAKERS, *FIELDS})
 
 
 class RosCalls:
