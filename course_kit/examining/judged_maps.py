@@ -93,7 +93,7 @@ def cause(found: GridMap, world: World, reference: GridMap, odoms: Sequence[Plac
             f"It is shifted by ({-shift[0]:.2f}, {-shift[1]:.2f}) m: `info.origin` is the outer corner of the first "
             "cell, in map."
         )
-    if as_it_is.true_walls < TRUE_WALLS and _are_far(found, world):
+    if as_it_is.walls > 0.5 and as_it_is.true_walls < TRUE_WALLS and _are_far(found, world):
         return "Walls stand in the midst of rooms: what is inf, or beyond range_max, has hit nothing."
     known = (found.cells >= 0).sum() / max(1, (reference.cells >= 0).sum())
     if known < 0.5:
