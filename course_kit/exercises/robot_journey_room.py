@@ -32,6 +32,8 @@ ANSWER_TIMEOUT = 1.0  # seconds
 LATE = 15.0  # seconds of real time that there are for a late command
 PERIOD = 0.05  # seconds of real time from one map → odom to the next
 AHEAD = 1.0  # simulated seconds for which it counts, so that none is missing on a busy machine
+LAST_STEPS = 7  # points of a path, some 0.3 m, by which to know where a robot looks at its end
+APART = 1.2  # rad
 BEYOND = 0.9  # metres from the middle of the pillar to a goal behind it
 
 
@@ -78,9 +80,11 @@ class Room:
 
         drawn = chance().uniform
         pillar = Pillar(*at(drawn(2.0, 2.2), drawn(0.95, 1.15)), drawn(0.12, 0.18))
-        self.goal: Place = (*at(drawn(3.1, 3.4), drawn(0.9, 1.2)), _heading())
-        start = (*at(drawn(0.9, 1.1), 1.0), -math.copysign(_heading(), self.goal[2]))  # far from the goal's
-        self._known = replace(world("empty"), start=start, pillars=(pillar,))
+        start, goal = at(drawn(0.9, 1.1), 1.0), at(drawn(3.1, 3.4), drawn(0.9, 1.2))
+        known = replace(world("empty"), pillars=(pillar,))
+        before, last = a_way(known, start, goal)[-LAST_STEPS :: LAST_STEPS - 1]
+        self.goal: Place = (*goal, _heading(math.atan2(last[1] - before[1], last[0] - before[0])))
+        self._known = replace(known, start=(*start, _heading(self.goal[2])))
         self._unknown = Pillar(*at(drawn(4.0, 4.4), drawn(2.5, 2.8)), drawn(0.15, 0.25))
         self.far: Place = (*at(5.1, drawn(0.8, 1.2)), _heading())
         self.robot = a_robot(replace(self._known, pillars=(pillar, self._unknown)), factor=FACTOR, patience=LATE)
@@ -183,9 +187,9 @@ class Room:
         journey.left.append((time.time_ns(), along, direct))
 
 
-def _heading() -> float:
-    """One that no mistake makes look right: neither its degrees taken for radians, nor that of the way there."""
+def _heading(*others: float) -> float:
+    """One that no mistake makes look right: far from `others`, from no turn, and from its degrees taken for radians."""
     while True:
-        heading = chance().uniform(0.9, 2.2) * chance().choice((1, -1))
-        if abs(wrapped(math.degrees(heading) - heading)) > 0.5:
+        heading = chance().uniform(-math.pi, math.pi)
+        if all(abs(wrapped(other - heading)) > APART for other in (0.0, math.degrees(heading), *others)):
             return heading
