@@ -158,6 +158,7 @@ ANSWERS = Answers(
     6,
     EXPLORER,
     [
+        Wrong("by_heart", with_own("planner", BY_HEART), 1, "A way by heart is one through other rooms"),
         Wrong(
             "given_alone",
             changed(EXPLORER, ('"planner": "explorer"', '"planner": "course_navigation"')),
@@ -182,7 +183,6 @@ ANSWERS = Answers(
             1,
             "hand `use_sim_time` on",
         ),
-        Wrong("by_heart", with_own("planner", BY_HEART), 1, "A way by heart is one through other rooms"),
         Wrong("known_map", WITH_KNOWN_MAP, 1, "it is the map of other rooms"),
         Wrong("plans_once", with_own("navigator", PLANS_ONCE), 1, "ask for another one when the map grows"),
         Wrong("at_once", with_own("navigator", AT_ONCE), 1, "Succeed when tf says"),
