@@ -224,9 +224,7 @@ def _why_not(one: Crossing) -> str:
         return f"{hint}Accept goals in `map`, however far: nobody knows the map before."
     if one.by_own_clock:
         return f"{hint}{', '.join(one.by_own_clock)} goes by the machine's clock: hand `use_sim_time` on to every node."
-    if one.begins is None:
-        return f"{hint}tf does not tell where base_link is in `map`: that is for who makes the map."
-    if math.hypot(*one.begins[:2]) > ELSEWHERE:
+    if one.begins is not None and math.hypot(*one.begins[:2]) > ELSEWHERE:
         x, y, _ = one.begins
         return f"{hint}By tf the robot begins at ({x:.1f}, {y:.1f}) of `map`, and not at (0, 0): no `initial_pose`."
     if one.true_walls < TRUE_WALLS:
@@ -234,6 +232,8 @@ def _why_not(one: Crossing) -> str:
             f"{hint}Of the walls on /map {100 * one.true_walls:.0f} % are walls here: it is the map of other rooms, or "
             "scans are put into it from wrong places. Nobody has the map of these rooms; it is made from /scan."
         )
+    if one.begins is None:
+        return f"{hint}tf does not tell where base_link is in `map`: that is for who makes the map."
     if one.beside_goal > BESIDE_GOAL:
         x, y = one.path_end
         return (
