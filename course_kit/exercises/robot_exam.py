@@ -97,7 +97,7 @@ def rooms_never_seen() -> None:
     expect_package("explorer", "ament_python")
     expect_installed("explorer", "launch/explorer.launch.py")
     kinds = chance().sample(KINDS, len(KINDS))
-    crossings = [_cross(task) for task in [draw(kind) for kind in kinds]]
+    crossings = [_cross(task) for task in [draw(kind, chance()) for kind in kinds]]
     for kind in KINDS:
         one = next(crossing for crossing in crossings if crossing.task.world.name == kind)
         expect(f"it crosses a world of the kind `{kind}`", one.is_reached, _why_not(one))

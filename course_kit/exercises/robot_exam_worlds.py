@@ -1,15 +1,15 @@
-"""The worlds of chapter 7's exam: in each the goal is behind walls of which nobody knows at the start. No ROS nodes."""
+"""The worlds of chapter 7's exam: in each the goal is behind walls of which nobody knows at the start."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from itertools import pairwise
+from random import Random
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from course_kit.examining.vocabulary import chance
 from course_kit.examining.vocabulary_robot import a_way
 from course_kit.robot.shape import LASER, LONGEST, RADIUS, RAYS
 from course_kit.robot.world import World
@@ -32,15 +32,15 @@ class Task:
     way: float
 
 
-def draw(kind: str) -> Task:
+def draw(kind: str, chance: Random) -> Task:
     """A task in a world of this kind that no one passes by luck.
 
     Neither as the crow flies nor by a plan made at the start can the robot get there, nor is the goal, seen from the
     start, where one of the worlds without a seed has one.
     """
     while True:
-        where = world(kind, chance().randrange(1_000, 1_000_000))
-        for goal in chance().sample(where.goals, len(where.goals)):
+        where = world(kind, chance.randrange(1_000, 1_000_000))
+        for goal in chance.sample(where.goals, len(where.goals)):
             if math.dist(where.start[:2], goal) > FARTHEST or _is_known(where, goal) or _is_straight(where, goal):
                 continue
             way = _length(a_way(where, where.start[:2], goal))
