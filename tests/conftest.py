@@ -74,6 +74,7 @@ SECONDS = {
     "test_progress_bar": 70,
     "test_form_in_browser": 60,
     "test_consoles_in_browser": 45,
+    "test_navigation_nodes": 45,
     "test_progress_in_browser": 45,
     "test_views_leave_nothing": 25,
     "test_browser": 43,
