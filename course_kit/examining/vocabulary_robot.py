@@ -32,6 +32,7 @@ PATIENCE = 60.0  # s of real time that there is for an answer that drives and is
 REMEMBERED = Duration(seconds=3600)  # of simulated time
 SPEED = 0.2  # m/s
 WAITS = 12.0  # s of real time in all that a Pace waits for an answer
+PACED = 1.0  # patience of a robot with a Pace: 0.25 simulated seconds a second, for a timer that missed its moment
 ROBOT = "/robot"
 MATCH_TIMEOUT = 5.0
 
@@ -76,7 +77,7 @@ def wait_simulated(robot: Robot, seconds: float, timeout: float) -> bool:
 
 
 class Pace:
-    """Drives the robot, and has time stand nearly still while an answer is late: then its timers miss nothing.
+    """Drives the robot, and has time go slowly while an answer is late: then its timers miss little.
 
     Late is an answer of which nothing was heard for `gap` simulated seconds. It is waited for WAITS s of real time in
     all, so that one that stays silent is judged, too.

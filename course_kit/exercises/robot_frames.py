@@ -14,6 +14,7 @@ from course_kit.examining.exercise import exercise
 from course_kit.examining.late_scans import LASER, REMAPPED, LateScans
 from course_kit.examining.vocabulary import answer, chance, expect, raised, require, wait
 from course_kit.examining.vocabulary_robot import (
+    PACED,
     Pace,
     a_robot,
     drive,
@@ -44,7 +45,7 @@ ENOUGH = 0.8  # of the scans, for who is late on a busy machine
 @exercise("robot-1", "Ahead of the robot", points=2, level="warm-up", timeout=100, node_class="AheadOfRobot")
 def ahead_of_robot() -> None:
     """It publishes five times a second the point that is 1 m ahead of the robot, in odom."""
-    robot = a_robot("empty", start=(3.0, 2.5, chance().uniform(-3.0, 3.0)))
+    robot = a_robot("empty", start=(3.0, 2.5, chance().uniform(-3.0, 3.0)), patience=PACED)
     drive(robot, 0.2, 0.0, chance().uniform(1.0, 2.5), timeout=20.0)  # so that odometry is not 0 when it begins
     answer(use_sim_time=True)
     expect_topic("/ahead_of_robot", PointStamped)
@@ -151,7 +152,7 @@ class Spoiler:
 @exercise("robot-2", "A wall that stays", points=3, level="medium", timeout=75, node_class="NearestWall")
 def nearest_wall() -> None:
     """Where the nearest hit of each scan is in odom, at the scan's stamp, though the scan comes late."""
-    robot = a_robot("rooms", seed=chance().randrange(1000), remap=REMAPPED)
+    robot = a_robot("rooms", seed=chance().randrange(1000), patience=PACED, remap=REMAPPED)
     wait_simulated(robot, 1.5, timeout=15.0)
     answer(use_sim_time=True)
     expect_topic("/nearest_wall", PointStamped)

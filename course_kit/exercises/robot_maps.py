@@ -18,7 +18,7 @@ from course_kit.examining.examination import current
 from course_kit.examining.exercise import exercise
 from course_kit.examining.late_scans import REMAPPED, LateScans
 from course_kit.examining.vocabulary import answer, chance, expect, require, wait
-from course_kit.examining.vocabulary_robot import Pace, a_robot, a_way, hear_tf, place_in
+from course_kit.examining.vocabulary_robot import PACED, Pace, a_robot, a_way, hear_tf, place_in
 from course_kit.examining.vocabulary_topics import expect_topic, listen, publisher
 from course_kit.navigation.places import Place, after, inverse
 
@@ -40,7 +40,7 @@ def map_maker() -> None:
     from course_kit.navigation.messages import map_of
 
     flat, seed = chance().choice(("rooms", "office")), chance().randrange(1000)
-    robot = a_robot(flat, seed=seed, factor=FACTOR, remap=REMAPPED)
+    robot = a_robot(flat, seed=seed, factor=FACTOR, patience=PACED, remap=REMAPPED)
     told = Corrections(robot)
     told.tell()
     answer(use_sim_time=True)
