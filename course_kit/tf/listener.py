@@ -41,6 +41,7 @@ class TransformListener:
         if isinstance(buffer, Node):
             raise TypeError("a TransformListener takes the buffer first: TransformListener(self.tf_buffer, self)")
         self.buffer = buffer
+        self._takes = False  # what waits
         self.node = node
         buffer.logger = node.get_logger()
         # Beside other callbacks of the node, that one of these may wait for a transform.
@@ -77,9 +78,15 @@ class TransformListener:
         An executor hands on one message a turn, and a node that gets fewer turns than messages, as on a busy machine,
         would go by transforms that are a hundred messages old.
         """
-        for message in (data, *self._waiting()):
-            for transform in message.transforms:
-                self.buffer.set_transform(transform, AUTHORITY)
+        for transform in data.transforms:
+            self.buffer.set_transform(transform, AUTHORITY)
+        if not self._takes:
+            self._takes = True
+            try:
+                for message in self._waiting():
+                    self.tf_sub.callback(message)  # not callback(): who counts a subscription's callbacks counts these
+            finally:
+                self._takes = False
 
     def _waiting(self) -> Iterator[TFMessage]:
         subscription = getattr(self, "tf_sub", None)  # a thread may spin the node already
