@@ -16,7 +16,7 @@ import pytest
 from nbformat import NotebookNode
 
 COURSE_KIT = Path(__file__).parents[1] / "course_kit"
-OWN_PROGRAMS = ("turtlesim", "faults", "scene", "bags")  # folders of course_kit with nodes that chapters start
+OWN_PROGRAMS = ("turtlesim", "faults", "scene", "bags", "robot", "navigation", "tf", "tf_tools")  # with nodes that chapters start
 OF_EVERY_NODE = (
     "rosout parameter_events describe_parameters get_parameters get_parameter_types get_type_description "
     "list_parameters set_parameters set_parameters_atomically _action send_goal cancel_goal get_result feedback status "
