@@ -16,7 +16,9 @@ import pytest
 from nbformat import NotebookNode
 
 COURSE_KIT = Path(__file__).parents[1] / "course_kit"
-OWN_PROGRAMS = ("turtlesim", "faults", "scene", "bags", "robot", "navigation", "tf", "tf_tools")  # with nodes that chapters start
+# Folders of course_kit with nodes that chapters start.
+OWN_PROGRAMS = ("turtlesim", "faults", "scene", "bags", "robot", "navigation", "tf", "tf_tools")
+DRAWN = re.compile(r"(?<=static_transform_publisher)_\w{16}$")  # by which tf2's program tells itself from others
 OF_EVERY_NODE = (
     "rosout parameter_events describe_parameters get_parameters get_parameter_types get_type_description "
     "list_parameters set_parameters set_parameters_atomically _action send_goal cancel_goal get_result feedback status "
@@ -57,7 +59,7 @@ def foreign_names(text: str, made: frozenset[str]) -> list[str]:
     """Names of nodes, topics and services in an output, and loggers, of which no cell has the words."""
     whole = (match for match in NAME.finditer(text) if text[match.end() : match.end() + 1] != "…")
     names = [match[0] for match in whole if not NO_NAME.match(match[0])]
-    names += [match["node"] for match in LOGGED.finditer(text)]
+    names += [DRAWN.sub("", match["node"]) for match in LOGGED.finditer(text)]
     return sorted({name for name in names if not words(name) <= made})
 
 
