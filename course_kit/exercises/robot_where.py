@@ -31,6 +31,8 @@ ANSWERED = 0.5  # seconds until all that is still to come is there,
 LATEST = 3.0  # and so many before it, on a busy machine, until one for the last pose is there
 NEAR = 0.03  # m and rad; the numbers are exact
 MOST = 0.8  # of the transforms that must fit: a machine that is busy may hold one back until the next pose
+# What comes of a heading that is sent as degrees, as the quaternion (z=heading, w=1), or as (z=heading/2, w=1).
+MISTAKEN_TURNS = (math.degrees, lambda heading: 2 * math.atan(heading), lambda heading: 2 * math.atan(heading / 2))
 AHEAD = 1.0  # seconds by which a transform may be stamped ahead
 
 
@@ -133,8 +135,8 @@ def map_to_odom() -> None:
 def _drawn_place() -> Place:
     """A place so far from the origin, and turned so much, that no mistake looks right."""
     signs = [chance().choice((1, -1)) for _ in range(3)]
-    x, y, heading = chance().uniform(1.5, 4), chance().uniform(1.5, 4), chance().uniform(0.6, 2.4)
-    while abs(wrapped(math.degrees(heading) - heading)) < 10 * NEAR:  # as degrees it would be the same turn
+    x, y, heading = chance().uniform(1.5, 4), chance().uniform(1.5, 4), 0.0
+    while any(abs(wrapped(turn(heading) - heading)) < 3 * NEAR for turn in MISTAKEN_TURNS):
         heading = chance().uniform(0.6, 2.4)
     return signs[0] * x, signs[1] * y, signs[2] * heading
 
