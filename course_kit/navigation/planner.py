@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
 
@@ -19,6 +21,8 @@ from course_kit.navigation.places import Floats, Place, hits, moved
 from course_kit.navigation.planning import CostMap, plan
 
 REMEMBERED = 25  # scans: 5 s of a TurtleBot's
+# Seconds of real time for which a goal waits until tf tells where the robot is, and from look to look.
+WAIT, RETRY = 5.0, 0.1
 
 
 class Planner(Node):
@@ -38,7 +42,10 @@ class Planner(Node):
         self.seen: deque[Floats] = deque(maxlen=REMEMBERED)  # what scans have hit, in the map
         self.publisher = self.create_publisher(Path, "plan", 1)
         self.create_subscription(OccupancyGrid, "map", self.on_map, LATCHED)
+        self.goal, self.asked = PoseStamped(), 0.0  # the last one, and when it came by time.monotonic()
         self.create_subscription(PoseStamped, "goal_pose", self.on_goal, 1)
+        self.retry = self.create_timer(RETRY, self.plan_to_goal, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.retry.cancel()
         self.scans = PlacedScans(self, self.frames, self.frames.map, self.on_scan)
 
     def on_restart(self) -> None:
@@ -61,12 +68,21 @@ class Planner(Node):
         self.seen.append(moved(hits(*rays_of(scan)), laser))
 
     def on_goal(self, goal: PoseStamped) -> None:
-        """Plan from where the robot is to a goal."""
+        """Plan from where the robot is to a goal, as soon as tf tells where that is."""
+        self.goal, self.asked = goal, time.monotonic()
+        self.plan_to_goal()
+
+    def plan_to_goal(self) -> None:
+        """Plan to the last goal, or look again a little later."""
         start = self.frames.place(self.frames.map, self.frames.base)
+        if start is None and time.monotonic() - self.asked < WAIT:
+            self.retry.reset()
+            return
+        self.retry.cancel()
         if start is None:
             self.get_logger().error(f"No plan: tf does not tell where {self.frames.base} is in {self.frames.map}")
         else:
-            self.plan(start, goal)
+            self.plan(start, self.goal)
 
     def on_request(self, request: GetPlan.Request, response: GetPlan.Response) -> GetPlan.Response:
         """Plan from a start to a goal."""
