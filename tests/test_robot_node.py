@@ -13,8 +13,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
+from rclpy.clock import Clock as RealClock
+from rclpy.clock import ClockType
+from rclpy.duration import Duration
 from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -24,7 +27,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState, LaserScan
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
-from tf2_ros import Buffer, TransformListener
+from tf2_ros import Buffer, TransformBroadcaster, TransformListener
 
 from course_kit import run, stop
 from course_kit.interface_types import type_name
@@ -308,6 +311,35 @@ def test_with_patience_a_loop_keeps_up_with_the_fastest_time(observer: Observer)
     after = robot.simulation.time + 5
     wait_until(lambda: robot.simulation.time > after, "five seconds of simulated time", 60)
     assert robot.vehicle.watchdog_stops == 0
+
+
+class Corrector(Node):
+    """Tells where odom lies in map, ten times a second of real time, as of so many simulated seconds ago."""
+
+    def __init__(self, lag: float) -> None:
+        super().__init__("corrector", parameter_overrides=[Parameter("use_sim_time", value=True)])
+        self.lag = lag
+        self.broadcaster = TransformBroadcaster(self)
+        self.create_timer(0.1, self.tell, clock=RealClock(clock_type=ClockType.STEADY_TIME))
+
+    def tell(self) -> None:
+        stamp = self.get_clock().now() - Duration(seconds=self.lag)
+        transform = TransformStamped(child_frame_id="odom")
+        transform.header.frame_id, transform.header.stamp = "map", stamp.to_msg()
+        self.broadcaster.sendTransform(transform)
+
+
+@pytest.mark.usefixtures("observer")
+def test_with_patience_time_waits_for_who_corrects_odometry() -> None:
+    corrector = run(Corrector, lag=2.0)
+    robot = robot_in_box(factor=8.0, parameter_overrides=[Parameter("patience", value=10.0)])
+    simulation = robot.simulation
+    wait_until(lambda: robot.vehicle.slows(simulation.time), "slow time")
+    began, simulated = time.monotonic(), simulation.time
+    wait_until(lambda: simulation.time > simulated + 1.5, "1.5 s of simulated time")
+    assert time.monotonic() - began > 1.2
+    corrector.lag = -2.0
+    wait_until(lambda: not robot.vehicle.slows(simulation.time), "time as before")
 
 
 # Several robots

@@ -14,7 +14,7 @@ from course_kit.robot import shape, sharing
 from course_kit.robot.description import urdf
 from course_kit.robot.picture import Cells, Seen, draw, scale_of
 from course_kit.robot.simulation import MAKES_UP, TICK, Simulation
-from course_kit.robot.vehicle import Vehicle
+from course_kit.robot.vehicle import BEHIND, SILENT, Vehicle
 from course_kit.robot.world import Pillar, Wall, World
 from tests.waiting import TIMEOUT, wait_until
 
@@ -149,26 +149,64 @@ def test_it_makes_up_for_a_short_stall_and_not_for_a_long_one() -> None:
     assert simulation.time == pytest.approx(1.5 * MAKES_UP, abs=3 * TICK)
 
 
+def pass_by(simulation: Simulation, clock: Hand, seconds: float) -> float:
+    """Have so many seconds go by; return how much simulated time went by meanwhile."""
+    end, before = clock.now + seconds, simulation.time
+    while clock.now < end:
+        simulation.advance()
+    return simulation.time - before
+
+
 def test_time_is_slow_while_a_command_is_late() -> None:
     clock = Hand(own=0.0005)
     simulation = Simulation(BOX, 0.0, clock)
     vehicle = simulation.join(ignore, patience=2.0)
-
-    def pass_by(seconds: float) -> float:
-        """How much simulated time goes by meanwhile."""
-        end, before = clock.now + seconds, simulation.time
-        while clock.now < end:
-            simulation.advance()
-        return simulation.time - before
-
     vehicle.command(0.2, 0.0, simulation.time)
     # A command holds for 0.5 s, and the second half of that takes 2 s of real time.
-    assert pass_by(1.0) == pytest.approx(0.25 + 0.125, abs=0.03)
+    assert pass_by(simulation, clock, 1.0) == pytest.approx(0.25 + 0.125, abs=0.03)
     vehicle.command(0.2, 0.0, simulation.time)
-    assert pass_by(0.05) == pytest.approx(0.25, abs=0.03)
+    assert pass_by(simulation, clock, 0.05) == pytest.approx(0.25, abs=0.03)
     assert vehicle.watchdog_stops == 0
-    assert pass_by(3.0) > 1.0
+    assert pass_by(simulation, clock, 3.0) > 1.0
     assert vehicle.watchdog_stops == 1
+
+
+def test_time_is_no_faster_than_real_time_while_odometry_is_corrected_late() -> None:
+    clock = Hand(own=0.0005)
+    simulation = Simulation(BOX, 0.0, clock)
+    vehicle = simulation.join(ignore, patience=2.0)
+    unhindered = pass_by(simulation, clock, 0.5)
+    assert unhindered > 1.0
+    vehicle.correct(simulation.time - BEHIND - 0.1, simulation.time)
+    assert pass_by(simulation, clock, 0.5) == pytest.approx(0.5, abs=0.02)
+    vehicle.correct(simulation.time, simulation.time)  # on time, until it is old again
+    assert pass_by(simulation, clock, 0.5) == pytest.approx(BEHIND + 0.5, abs=0.1)
+
+
+def test_time_goes_on_if_nobody_corrects_odometry_any_more() -> None:
+    clock = Hand(own=0.0005)
+    simulation = Simulation(BOX, 0.0, clock)
+    vehicle = simulation.join(ignore, patience=2.0)
+    vehicle.correct(-1.0, simulation.time)
+    assert pass_by(simulation, clock, SILENT - 0.5) == pytest.approx(SILENT - 0.5, abs=0.1)
+    vehicle.correct(-1.0, simulation.time)  # the same again: a transform that nobody works on
+    assert pass_by(simulation, clock, 1.0) > 1.5
+
+
+def test_slow_time_is_never_faster_than_its_factor() -> None:
+    clock = Hand(own=0.0005)
+    simulation = Simulation(BOX, 0.5, clock)
+    simulation.join(ignore, patience=2.0).correct(-1.0, simulation.time)
+    assert pass_by(simulation, clock, 2.0) == pytest.approx(1.0, abs=0.05)
+
+
+def test_without_patience_time_waits_for_nobody() -> None:
+    clock = Hand(own=0.0005)
+    simulation = Simulation(BOX, 0.0, clock)
+    vehicle = simulation.join(ignore)
+    vehicle.correct(-1.0, simulation.time)
+    vehicle.command(0.2, 0.0, simulation.time)
+    assert pass_by(simulation, clock, 0.5) > 1.0
 
 
 def test_as_fast_as_it_goes_it_still_returns() -> None:

@@ -69,6 +69,8 @@ class Robot(Node):
         self._leave.callback(sharing.leave, self.simulation, self.vehicle)
         self._sensors = Sensors(self, chosen.prefix, chosen.noise, (chosen.world.seed or 0, self.vehicle.number))
         self._transforms = Transforms(self, chosen.prefix, self._stamp())
+        if chosen.patience:
+            self._transforms.hear_corrections(self._on_correction)
         self._clock_publisher: Publisher | None = None
         self._bumper = self.create_publisher(String, "bumper", LATCHED)
         self.create_publisher(String, "robot_description", LATCHED).publish(String(data=urdf(chosen.prefix)))
@@ -112,6 +114,9 @@ class Robot(Node):
             self.vehicle.command(linear, angular, self.simulation.time)
         else:
             self._warn("command", f"Ignored a command on cmd_vel: its numbers must be finite, not {linear}, {angular}")
+
+    def _on_correction(self, stamp: Time) -> None:
+        self.vehicle.correct(stamp.sec + stamp.nanosec * 1e-9, self.simulation.time)
 
     def _on_tick(self) -> None:
         """Tell what is due: called after each tick, in the thread of whichever robot has moved the world."""

@@ -45,7 +45,7 @@ class Settings:
     factor: float | None  # None: 1, or that of the robots that are there
     stamped: bool  # whether cmd_vel is a TwistStamped
     timeout: float  # s of simulated time that a command holds
-    patience: float  # s of real time that the second half of that takes at least
+    patience: float  # s of real time that the second half of that takes at least; 0: time waits for nobody
     prefix: str  # of its frames
     noise: Noise
 
@@ -86,7 +86,7 @@ def declare(node: Node, world: str | World, seed: int | None, start: Place | Non
         "patience",
         0.0,
         NOT_NEGATIVE,
-        "Real seconds for a command that is late: so long half of cmd_vel_timeout takes",
+        "Real seconds for a command that is late: so long half of cmd_vel_timeout takes; 0: time waits for nobody",
     )
     namespace = node.get_namespace().strip("/")
     prefix = _read(node, "frame_prefix", f"{namespace}/" if namespace else "", TEXT, "Begins the names of its frames")

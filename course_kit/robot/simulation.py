@@ -77,7 +77,8 @@ class Simulation:
         """Put a robot into the world, and call `rider` after each tick, in the thread that advances.
 
         Without a start it is the world's own, or a free place near it. A command holds for `timeout` s,
-        and the second half of that takes `patience` s of real time at least. ValueError for a start that is not free.
+        and the second half of that takes `patience` s of real time at least; with patience, time is also no faster than
+        real time while the correction of its odometry is late. ValueError for a start that is not free.
         """
         with self._lock:
             place = self._free_start() if start is None else start
@@ -140,12 +141,12 @@ class Simulation:
                 self._due += self._tick_period
                 now = self._clock()
             if self._lingers(now):
-                self._due = now
+                self._due = max(self._due, now)
         finally:
             self._lock.release()
 
     def _lingers(self, now: float) -> bool:
-        """Whether time is slow for a robot whose next command is late.
+        """Whether time is slow for a robot whose next command, or the correction of whose odometry, is late.
 
         It does not stand still: a node's timer may have missed the last /clock, and then needs another one.
         """

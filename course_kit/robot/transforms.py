@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
@@ -26,6 +26,7 @@ class Transforms:
     """odom → base_link and base_link → wheels on /tf; what is bolted on, once, on /tf_static."""
 
     def __init__(self, node: Node, prefix: str, stamp: Time) -> None:
+        self._node = node
         self._moving = node.create_publisher(TFMessage, "/tf", DYNAMIC)
         self._fixed = node.create_publisher(TFMessage, "/tf_static", STATIC)
         base = f"{prefix}base_link"
@@ -45,6 +46,17 @@ class Transforms:
         for one in transforms:
             one.header.stamp = stamp
         self._fixed.publish(TFMessage(transforms=transforms))
+
+    def hear_corrections(self, on_correction: Callable[[Time], None]) -> None:
+        """Call this with each stamp for which somebody tells where odom lies, as in the frame map."""
+        odom = self._odom.header.frame_id
+
+        def on_message(message: TFMessage) -> None:
+            for one in message.transforms:
+                if one.child_frame_id == odom:
+                    on_correction(one.header.stamp)
+
+        self._node.create_subscription(TFMessage, "/tf", on_message, DYNAMIC)
 
     def publish(self, stamp: Time, place: Place, angles: Sequence[float]) -> None:
         """Tell where the wheels' odometry has base_link in odom, and how far the wheels have turned (rad)."""
