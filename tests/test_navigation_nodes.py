@@ -24,6 +24,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty
+from tf2_ros import StaticTransformBroadcaster
 
 from course_kit import run, stop
 from course_kit.navigation import Localizer, Mapper, Navigator, Planner, planning
@@ -38,6 +39,7 @@ from course_kit.navigation.messages import (
     pose_of,
     rays_of,
     stamped_pose,
+    transform_of,
 )
 from course_kit.navigation.navigator import TF_ERROR, TIMEOUT
 from course_kit.navigation.places import Place, after
@@ -304,6 +306,38 @@ def test_a_plan_is_asked_for_by_service_and_one_without_poses_is_none(station: S
     assert errors(place_of(path.poses[-1].pose), (5.0, 4.0, 2.0)) == pytest.approx((0, 0), abs=1e-6)
     assert heading(path.poses[len(path.poses) // 2].pose.orientation) == pytest.approx(math.atan2(3, 4), abs=0.2)
     assert ask((6.0, 4.0, 0.0)).poses == []
+
+
+@pytest.mark.parametrize("late", ["tf", "listener"])
+def test_a_goal_waits_for_tf_and_for_who_listens_to_its_plan(
+    station: Station, monkeypatch: pytest.MonkeyPatch, late: str
+) -> None:
+    monkeypatch.setattr("course_kit.navigation.planner.WAIT", PATIENCE)
+    station.destroy_subscription(next(one for one in station.subscriptions if one.topic_name == "/plan"))
+    station.publish_map(true_map(EMPTY))
+    planner = run(Planner, parameter_overrides=simulated())
+    goals = station.create_publisher(PoseStamped, "goal_pose", 1)
+    wait_until(lambda: planner.map and goals.get_subscription_count(), "a planner with a map")
+    broadcaster = StaticTransformBroadcaster(station)
+    plans: list[Path] = []
+
+    def tell_tf() -> None:
+        broadcaster.sendTransform(transform_of(EMPTY.start, "map", "base_link", Time()))
+        wait_until(lambda: planner.frames.place("map", "base_link"), "tf at the planner")
+
+    def listen() -> None:
+        station.create_subscription(Path, "plan", plans.append, 10)
+        wait_until(planner.publisher.get_subscription_count, "the planner seeing who listens")
+
+    steps = {"tf": tell_tf, "listener": listen}
+    last = steps.pop(late)
+    for step in steps.values():
+        step()
+    goals.publish(stamped_pose((5.0, 4.0, 0.0), "map", Time()))
+    wait_until(lambda: not planner.retry.is_canceled(), "the planner waiting")
+    last()
+    wait_until(lambda: plans, "a plan")
+    assert place_of(plans[0].poses[-1].pose) == pytest.approx((5.0, 4.0, 0.0), abs=1e-6)
 
 
 def test_the_localizer_begins_anywhere_or_where_it_is_told(station: Station) -> None:

@@ -21,7 +21,8 @@ from course_kit.navigation.places import Floats, Place, hits, moved
 from course_kit.navigation.planning import CostMap, plan
 
 REMEMBERED = 25  # scans: 5 s of a TurtleBot's
-# Seconds of real time for which a goal waits until tf tells where the robot is, and from look to look.
+# Seconds of real time for which a goal waits until tf tells where the robot is and somebody listens for the plan, who
+# may have started at the same time, and from look to look.
 WAIT, RETRY = 5.0, 0.1
 
 
@@ -68,14 +69,15 @@ class Planner(Node):
         self.seen.append(moved(hits(*rays_of(scan)), laser))
 
     def on_goal(self, goal: PoseStamped) -> None:
-        """Plan from where the robot is to a goal, as soon as tf tells where that is."""
+        """Plan from where the robot is to a goal, as soon as tf tells where that is and somebody listens."""
         self.goal, self.asked = goal, time.monotonic()
         self.plan_to_goal()
 
     def plan_to_goal(self) -> None:
         """Plan to the last goal, or look again a little later."""
         start = self.frames.place(self.frames.map, self.frames.base)
-        if start is None and time.monotonic() - self.asked < WAIT:
+        is_heard = self.publisher.get_subscription_count() > 0
+        if (start is None or not is_heard) and time.monotonic() - self.asked < WAIT:
             self.retry.reset()
             return
         self.retry.cancel()
