@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 Point = tuple[float, float]
 SHORTEST, FARTHEST = 2.0, 6.0  # metres of way to a goal
+MARGINS = (0.0, 0.02, 0.04, 0.06)  # metres that a plan may keep from walls besides the robot's radius
 BY_HEART = 0.5  # metres, seen from the start, from a goal of the worlds that everybody knows
 
 
@@ -63,11 +64,12 @@ def _is_straight(where: World, goal: Point) -> bool:
 
 
 def _is_hidden(where: World, goal: Point) -> bool:
-    """Whether a plan made at the start leads through something that stands there."""
+    """Whether a plan made at the start leads through something that stands there, whatever it keeps from walls."""
     from course_kit.navigation.planning import CostMap, plan
 
-    first = plan(CostMap(_first_map(where), RADIUS, into_unknown=True), where.start[:2], goal)
-    return bool(where.clearances(*first.T).min() < 0)
+    seen = _first_map(where)
+    plans = (plan(CostMap(seen, RADIUS + margin, into_unknown=True), where.start[:2], goal) for margin in MARGINS)
+    return all(where.clearances(*first.T).min() < 0 for first in plans)
 
 
 def _first_map(where: World) -> GridMap:
