@@ -78,7 +78,7 @@ def path_finder() -> None:
     expect_subscription("/map", OccupancyGrid)
     expect_compatible_subscription("/map", maps)
     asked, refused = [], []
-    for drawn in (draw(chance()), draw(chance())):
+    for drawn in _two_maps():
         maps.publish(map_message(drawn.map, "map", Time()))
         maps.wait_for_all_acked(Duration(seconds=RECEIVED))
         pause(TAKEN)
@@ -100,6 +100,14 @@ def path_finder() -> None:
         "*and* way left: `spent + left`. By the way left alone (greedy) it runs into the cup and stays with that.",
     )
     _expect_refusals(refused)
+
+
+def _two_maps() -> tuple[DrawnMap, DrawnMap]:
+    """Two maps, of which the first does not lead to the goal of the second: there it is blocked."""
+    first = second = draw(chance())
+    while UNKNOWN < first.map.at(np.array([second.goal]))[0] < OCCUPIED:
+        second = draw(chance())
+    return first, second
 
 
 def _ask(client: Client, drawn: DrawnMap, goal: Point) -> Asked:
