@@ -70,7 +70,7 @@ class Robot(Node):
         self._sensors = Sensors(self, chosen.prefix, chosen.noise, (chosen.world.seed or 0, self.vehicle.number))
         self._transforms = Transforms(self, chosen.prefix, self._stamp())
         if chosen.patience:
-            self._transforms.hear_corrections(self._on_correction)
+            self._transforms.hear_corrections(self, self._on_correction)
         self._clock_publisher: Publisher | None = None
         self._bumper = self.create_publisher(String, "bumper", LATCHED)
         self.create_publisher(String, "robot_description", LATCHED).publish(String(data=urdf(chosen.prefix)))

@@ -26,7 +26,6 @@ class Transforms:
     """odom → base_link and base_link → wheels on /tf; what is bolted on, once, on /tf_static."""
 
     def __init__(self, node: Node, prefix: str, stamp: Time) -> None:
-        self._node = node
         self._moving = node.create_publisher(TFMessage, "/tf", DYNAMIC)
         self._fixed = node.create_publisher(TFMessage, "/tf_static", STATIC)
         base = f"{prefix}base_link"
@@ -47,7 +46,7 @@ class Transforms:
             one.header.stamp = stamp
         self._fixed.publish(TFMessage(transforms=transforms))
 
-    def hear_corrections(self, on_correction: Callable[[Time], None]) -> None:
+    def hear_corrections(self, node: Node, on_correction: Callable[[Time], None]) -> None:
         """Call this with each stamp for which somebody tells where odom lies, as in the frame map."""
         odom = self._odom.header.frame_id
 
@@ -56,7 +55,7 @@ class Transforms:
                 if one.child_frame_id == odom:
                     on_correction(one.header.stamp)
 
-        self._node.create_subscription(TFMessage, "/tf", on_message, DYNAMIC)
+        node.create_subscription(TFMessage, "/tf", on_message, DYNAMIC)
 
     def publish(self, stamp: Time, place: Place, angles: Sequence[float]) -> None:
         """Tell where the wheels' odometry has base_link in odom, and how far the wheels have turned (rad)."""
