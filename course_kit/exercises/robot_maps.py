@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,12 +22,15 @@ from course_kit.examining.vocabulary import answer, chance, expect, require, wai
 from course_kit.examining.vocabulary_robot import PACED, Pace, a_robot, a_way, hear_tf, place_in
 from course_kit.examining.vocabulary_topics import expect_topic, listen, publisher
 from course_kit.navigation.places import Place, after, inverse
+from course_kit.robot.world import World
+from course_kit.robot.worlds import world
 
 CELL = 0.05  # m
 AHEAD_OF_TIME = 0.2  # s beyond the time at which it is told for which map → odom counts
 # Simulated seconds a second: whoever adds a scan for long takes fewer transforms, and where 100 of them wait, further
 # ones are lost; tf2 then guesses between the others, and walls bend.
 FACTOR = 2.0
+OFF = (1.4, 2.4)  # m, from to: where the flat begins in map, in x and in y
 WAY = 9.0  # m that the robot drives
 UPDATE = 2.0  # simulated s from map to map, at most
 BUSY = 2.0  # times that, for maps that are told late or lost
@@ -39,8 +43,8 @@ def map_maker() -> None:
     from course_kit.examining.judged_maps import FLOOR_SEEN, RIGHT, TRUE_WALLS, WALLS_SEEN, cause, judge
     from course_kit.navigation.messages import map_of
 
-    flat, seed = chance().choice(("rooms", "office")), chance().randrange(1000)
-    robot = a_robot(flat, seed=seed, factor=FACTOR, patience=PACED, remap=REMAPPED)
+    flat = world(chance().choice(("rooms", "office")), chance().randrange(1000))
+    robot = a_robot(_off_the_origin(flat), factor=FACTOR, patience=PACED, remap=REMAPPED)
     told = Corrections(robot)
     told.tell()
     answer(use_sim_time=True)
@@ -73,9 +77,9 @@ def map_maker() -> None:
         f"{len(maps)} maps came in {seconds:.0f} s of simulated time, and the publisher is {qos.name.lower()}: "
         "QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL), and a timer.",
     )
-    last, world = map_of(maps.last), robot.world
-    judged = judge(last, world, reference)
-    why = "" if judged.is_good else cause(last, world, reference, told.told)
+    last, true = map_of(maps.last), robot.world
+    judged = judge(last, true, reference)
+    why = "" if judged.is_good else cause(last, true, reference, told.told)
     expect(
         "97 % of what it is sure of is right, and so are its walls",
         judged.right >= RIGHT and judged.true_walls >= TRUE_WALLS,
@@ -111,6 +115,18 @@ class Corrections:
         seconds, rest = divmod(round((time + AHEAD_OF_TIME) * 1e9), 1_000_000_000)
         link = transform_of(self.told[-1], "map", "odom", Time(sec=seconds, nanosec=rest))
         self._out.publish(TFMessage(transforms=[link]))
+
+
+def _off_the_origin(flat: World) -> World:
+    """The same flat elsewhere in map: no map of it begins at (0, 0), not even with a metre of unknown cells around."""
+    x, y = (round(chance().uniform(*OFF), 2) for _ in range(2))
+    return replace(
+        flat,
+        walls=tuple(replace(one, x=one.x + x, y=one.y + y) for one in flat.walls),
+        pillars=tuple(replace(one, x=one.x + x, y=one.y + y) for one in flat.pillars),
+        start=(flat.start[0] + x, flat.start[1] + y, flat.start[2]),
+        goals=tuple((goal[0] + x, goal[1] + y) for goal in flat.goals),
+    )
 
 
 def _drive_round(robot: Any, go_on: Callable[[], None], pace: Pace) -> None:
