@@ -32,6 +32,7 @@ STAR_TIMEOUT, HOME_TIMEOUT, ABORT_TIMEOUT = 42.0, 21.0, 1.5  # seconds, where th
 PATIENCE = 4.0  # seconds for an abort where its time is not judged
 STOP_TIMEOUT = 1.3  # seconds: a turtle obeys its last command for one
 USUAL = 14.0  # seconds for a star that does not end, for others what they took
+PAIRS = 3  # stars that are begun, at most, until one can be pre-empted on its way
 STARS = 6  # times that, in which the check does what is left to do with one star more
 
 
@@ -61,20 +62,27 @@ class Trip:
         return Star(side, client.send(side_length=side), begun)
 
     def drive(self, star: Star, lines: float, timeout: float) -> None:
-        """Wait until so many lines are driven, if the goal is accepted."""
+        """Wait until so many lines are driven, if the goal is accepted, and while it has not ended."""
         length = lines * star.side if star.goal.accepted else 0.0
-        wait(lambda: paths.length(self._driven.messages[star.begun :]) >= length, timeout, "a line", poll=0.1)
 
-    def send_second(self, client: Client, side: float, first: Star) -> Star:
-        """Send a goal while another is driven, once the turtle is clear of where a wrong star would begin or end."""
-        elsewhere = list(self._places)
+        def is_driven() -> bool:
+            return paths.length(self._driven.messages[star.begun :]) >= length or star.goal.settled is not None
+
+        wait(is_driven, timeout, "a line", poll=0.1)
+
+    def gets_clear(self, star: Star) -> bool:
+        """Whether the turtle gets clear of where a wrong star would begin or end, before its goal ends, or is late."""
 
         def is_clear() -> bool:
-            return is_away(self._driven.last, elsewhere, CLEAR) or first.goal.settled is not None
+            return is_away(self._driven.last, self._places, CLEAR) or star.goal.settled is not None
 
-        wait(is_clear, 5.0, "the turtle to be clear of where the first star began", poll=0.02)
+        wait(is_clear, 5.0, "the turtle to be clear of where other stars began", poll=0.02)
+        return star.goal.settled is None
+
+    def send_second(self, client: Client, side: float) -> Star:
+        """Send a goal while another is driven."""
         star = self.send(client, side)
-        star.elsewhere = elsewhere
+        star.elsewhere = list(self._places)
         return star
 
     def is_away(self, star: Star) -> bool:
@@ -125,7 +133,6 @@ def star_server() -> None:
         f"drove {paths.length(star.poses):.1f} m and turned by {paths.turned(star.poses):.0f}°.",
     )
     unwanted = _cancelled(trip, client)
-    trip.put_elsewhere(sum(sides))
     pre_empted, second = _one_after_another(trip, client, *sides, patience=ABORT_TIMEOUT)
     if pre_empted.goal.word == "aborted":  # else two drive the turtle at the same time
         second.goal.wait(STAR_TIMEOUT)
@@ -149,10 +156,17 @@ def _whole(trip: Trip, client: Client, side: float) -> Star:
 
 
 def _one_after_another(trip: Trip, client: Client, *sides: float, patience: float) -> list[Star]:
-    """Two stars, of which the second is sent when the turtle is away from where the first began."""
-    first = trip.send(client, sides[0])
-    trip.drive(first, chance().uniform(0.8, 1.15), timeout=20.0)
-    second = trip.send_second(client, sides[1], first)
+    """Two stars, of which the second is sent when the turtle is clear of where a wrong one would begin or end.
+
+    A small star may be near such places all the way: another is begun elsewhere.
+    """
+    for _ in range(PAIRS):
+        trip.put_elsewhere(sum(sides))
+        first = trip.send(client, sides[0])
+        trip.drive(first, chance().uniform(0.8, 1.15), timeout=20.0)
+        if trip.gets_clear(first):
+            break
+    second = trip.send_second(client, sides[1])
     first.goal.wait(patience)
     second.other_ended = first.goal.settled or 0
     return [first, second]
@@ -160,7 +174,6 @@ def _one_after_another(trip: Trip, client: Client, *sides: float, patience: floa
 
 def _cancelled(trip: Trip, client: Client) -> Star:
     """A star that is cancelled on its way, and begins in the midst of another, where the answer does that."""
-    trip.put_elsewhere(2 * SMALL[1])
     earlier, star = _one_after_another(trip, client, *(chance().uniform(*SMALL) for _ in range(2)), patience=PATIENCE)
     if earlier.goal.word != "aborted":
         for one in (earlier, star):
