@@ -242,7 +242,9 @@ def _do(order: Mapping[str, Any], names: Mapping[str, Any]) -> Any:
 def _has_threads(name: str, names: Mapping[str, Any]) -> bool | None:
     """True if the notebook runs a node of the class of this name with a MultiThreadedExecutor, else None."""
     there = [spinning.node for spinning in spinning_now()] + [one for one in names.values() if isinstance(one, Node)]
-    return any(isinstance(n.executor, MultiThreadedExecutor) for n in there if type(n).__name__ == name) or None
+    # A node knows its executor also after it was taken from it.
+    executors = [(one, one.executor) for one in there if type(one).__name__ == name]
+    return any(isinstance(each, MultiThreadedExecutor) and one in each.get_nodes() for one, each in executors) or None
 
 
 def described(error: BaseException) -> str:

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
-from course_kit.examining.answer_host import AnswerHost
+from course_kit.examining.answer_host import AnswerHost, close, obey
 from course_kit.examining.examination import Ended, Examination
 from course_kit.examining.vocabulary import expect
 from course_kit.examining.vocabulary_services import expect_service
@@ -217,3 +217,29 @@ def test_the_executor_is_the_one_that_the_node_needs(
 
     host.start(Counts, KEEPER, threads)
     assert isinstance(host.node.executor, MultiThreadedExecutor) == wanted
+
+
+class Tells(Node):
+    def __init__(self) -> None:
+        super().__init__("tells")
+
+    def kind(self) -> str:
+        return type(self.executor).__name__
+
+
+@pytest.mark.parametrize("runs", [True, False])
+def test_the_answer_has_threads_where_the_student_s_node_runs_with_them_now(stage_domain: int, runs: bool) -> None:
+    ros_context.start()
+    executor, node = MultiThreadedExecutor(2), Tells()
+    executor.add_node(node)
+    if not runs:
+        executor.remove_node(node)
+    names, order = {"Tells": Tells, "node": node}, {"domain": stage_domain, "node_class": "Tells"}
+    try:
+        assert obey({**order, "do": "start", "keeper": KEEPER, "threads": None}, names, 20.0) == {"value": None}
+        kind = obey({**order, "do": "call", "method": "kind", "arguments": []}, names, 20.0)["value"]
+    finally:
+        close()
+        executor.shutdown()
+        node.destroy_node()
+    assert (kind == "MultiThreadedExecutor") == runs
