@@ -187,8 +187,19 @@ def test_it_stops_before_what_the_laser_sees_then_wants_another_path_and_in_the_
     assert journey.end is None
     assert journey.wants_path(12.0)
     drive(journey, place, 20.0, pillar)
+    assert journey.end is None  # it waits for the path
+    journey.refuse()
+    drive(journey, place, 20.0, pillar)
     assert journey.end is not None
     assert (journey.end.arrived, journey.end.code) == (False, FAILED_TO_MAKE_PROGRESS)
+
+
+def test_seconds_in_which_it_was_told_nothing_do_not_hold_it() -> None:
+    journey = Journey((3.0, 0.0, 0.0), LIMITS)
+    journey.follow(np.column_stack([np.linspace(0, 3, 60), np.zeros(60)]))
+    for time in (0.0, 0.1, 30.0, 30.1, 60.0):  # tf or the laser were missing for long
+        journey.tick(time, (0.0, 0.0, 0.0), np.zeros((0, 2)))
+    assert journey.end is None
 
 
 def test_a_path_that_a_newer_map_closes_is_given_up_and_no_other_is_wanted_before() -> None:

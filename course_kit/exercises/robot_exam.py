@@ -64,6 +64,7 @@ class Crossing:
     bumps: int
     own: bool  # whether a program of the student's was in it
     begins: Place | None  # where tf says that the robot begins
+    reason: str = ""  # what the result says of why it has ended
     # If it is not reached: nodes without simulated time, the share of the map's walls that are true, where a path ends.
     by_own_clock: list[str] = field(default_factory=list)
     true_walls: float = 1.0
@@ -146,6 +147,7 @@ def _cross(task: Task) -> Crossing:
         poll=0.05,
     )
     crossing.word, crossing.seconds = sent.word, simulation.time - began
+    crossing.reason = _said_by(sent.result)
     crossing.own = crossing.own or _has_own()
     crossing.away = math.dist(simulation.true_place(number)[:2], task.goal)
     crossing.bumps = robot.vehicle.bumps
@@ -197,6 +199,11 @@ def _client(launch: Process) -> Client:
     return expect_action("/navigate_to_pose", NavigateToPose)
 
 
+def _said_by(result: NavigateToPose.Result | None) -> str:
+    """The first line of what a result says of its error, if it says anything."""
+    return "" if result is None else result.error_msg.strip().partition("\n")[0][:200].rstrip(".")
+
+
 def _has_own() -> bool:
     """Whether what publishes the judged topics, or serves /get_plan, is a program of the workspace."""
     node = current().stage.node
@@ -220,6 +227,7 @@ def _why_not(one: Crossing) -> str:
     hint = f"In {one} the goal, {one.task.way:.1f} m of way from the start, is {one.word} after {one.seconds:.0f} s"
     hint += f", and the robot {one.away:.2f} m from it"
     hint += f", with {one.bumps} bumps. " if one.bumps else ". "
+    hint += f"Its result says: {one.reason}. " if one.reason else ""
     if one.word == "rejected":
         return f"{hint}Accept goals in `map`, however far: nobody knows the map before."
     if one.by_own_clock:

@@ -19,6 +19,7 @@ FAILED_TO_MAKE_PROGRESS = 105
 CLOSE, STRAIGHT = 0.05, 0.05  # m and rad from the goal at which it is reached
 LOST = 0.5  # metres from its path at which a robot wants another
 PATIENCE = 10.0  # seconds for PROGRESS metres or TURNED rad, else the robot is stuck
+TICKED = 0.5  # seconds from tick to tick that count for that, at most: in longer ones tf or the laser were missing
 PROGRESS, TURNED = 0.1, 0.5
 BLOCKED = 1.0  # seconds before what is in the way until it wants another path
 AGAIN = 2.0  # seconds between two wishes
@@ -46,12 +47,20 @@ class Journey:
         self._wants = True  # another path
         self._asked = -math.inf  # when it last said so
         self._blocked_since: float | None = None
-        self._last: tuple[float, Place] | None = None  # when and where there was progress
+        self._waits = False  # for the path that it wants
+        self._ticked = math.inf  # when the last tick was
+        self._came: Place | None = None  # where there was progress
+        self._stood = 0.0  # seconds since then, but for those in which the robot waited for others
 
     def follow(self, path: Floats) -> None:
         """Take this path, shape (n, 2), from now on."""
         self._pursuit, self._wants, self._blocked_since = Pursuit(path, self.limits), False, None
+        self._waits = False
         self.paths += 1
+
+    def refuse(self) -> None:
+        """There is no path now; it will ask again."""
+        self._waits = False
 
     def fail(self, code: int, why: str) -> None:
         """End without having arrived."""
@@ -61,7 +70,7 @@ class Journey:
         """Whether to look for a path now; asked again and again, it says so every AGAIN seconds."""
         if self._arrived or not self._wants or now < self._asked + AGAIN:
             return False
-        self._asked = now
+        self._asked, self._waits = now, True
         return True
 
     def check(self, cost_map: CostMap, place: Place) -> None:
@@ -109,12 +118,13 @@ class Journey:
             self._wants = True
 
     def _look_at_progress(self, now: float, place: Place) -> None:
-        """Fail when the robot neither drives nor turns for a while."""
-        if self._last is None:
-            self._last = (now, place)
-        step = between(self._last[1], place)
-        if math.hypot(step[0], step[1]) > PROGRESS or abs(step[2]) > TURNED:
-            self._last = (now, place)
-        elif now - self._last[0] > PATIENCE:
+        """Fail when the robot neither drives nor turns for a while; that it waits for a path does not hold it."""
+        passed, self._ticked = now - self._ticked, now
+        step = between(self._came or place, place)
+        if self._came is None or math.hypot(step[0], step[1]) > PROGRESS or abs(step[2]) > TURNED:
+            self._came, self._stood = place, 0.0
+        elif not self._waits:
+            self._stood += min(max(passed, 0.0), TICKED)
+        if self._stood > PATIENCE:
             why = f"the robot has not come on for {PATIENCE:g} s: something that the laser sees or not holds it"
             self.fail(FAILED_TO_MAKE_PROGRESS, why)

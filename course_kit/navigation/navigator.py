@@ -192,6 +192,8 @@ class Navigator(Node):
             journey.follow(points)
         elif not journey.paths or self.refusals >= REFUSALS:
             journey.fail(*self.reason(place, journey.goal))
+        else:
+            journey.refuse()
 
     def reason(self, place: Place, goal: Place) -> tuple[int, str]:
         """Why there is no path, as far as the map tells: Nav2's code, and one sentence."""
