@@ -177,6 +177,16 @@ def test_the_circle_to_a_point_leads_there() -> None:
     assert math.dist((0.25, 0.1), (0.0, radius)) == pytest.approx(radius)
 
 
+def test_where_something_is_in_the_way_to_a_point_far_ahead_it_turns_to_the_next_ones() -> None:
+    path = np.array([(0.0, 0.0), (0.045, 0.025), (0.09, 0.04), (0.14, 0.04), (0.2, 0.02), (0.25, 0.0), (0.3, -0.03)])
+    pursuit = Pursuit(path, LIMITS)
+    _, straight_on = pursuit.command((0.0, 0.0, 0.0), math.inf, math.inf)
+    assert abs(straight_on) < 0.1
+    speed, turning = pursuit.command((0.0, 0.0, 0.0), LIMITS.stop / 2, 0.11)
+    assert speed == 0
+    assert turning > 0.5
+
+
 def test_it_stops_before_what_the_laser_sees_then_wants_another_path_and_in_the_end_gives_up() -> None:
     path = np.column_stack([np.linspace(0, 3, 60), np.zeros(60)])
     pillar = np.array([(1.5 + 0.1 * math.cos(a), 0.1 * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 40)])

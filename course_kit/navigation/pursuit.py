@@ -26,6 +26,7 @@ class Limits:
     stop: float = 0.05  # it comes no nearer to what the laser sees ahead
 
 
+NEXT = 0.08  # metres ahead on the path to where it turns when something is in the way
 SHARP = 0.7  # rad: to a point further aside than this the robot turns first
 SLOWEST = 0.04  # m/s, at the end of a path and beside walls
 CROWDED = 0.3  # metres to walls beside the robot from which on it is slower
@@ -50,20 +51,22 @@ class Pursuit:
         """The points of the path that are still ahead."""
         return self.path[self._nearest :]
 
-    def target(self, place: Place) -> tuple[float, float]:
+    def target(self, place: Place, ahead: float) -> tuple[float, float]:
         """The point of the path to drive at: the first that is `ahead` metres away or more, else the last."""
         # The nearest point is looked for a little further on only: the same place may come again later.
         window = self.path[self._nearest : self._nearest + 20]
         self._nearest += int(np.argmin(np.hypot(*(window - np.array(place[:2])).T)))
         away = np.hypot(*(self.left() - np.array(place[:2])).T)
-        far = np.nonzero(away >= self.limits.ahead)[0]
+        far = np.nonzero(away >= ahead)[0]
         x, y = self.left()[far[0] if len(far) else -1]
         return float(x), float(y)
 
     def command(self, place: Place, room: float, beside: float) -> tuple[float, float]:
         """How to drive, m/s and rad/s; `room`: metres that are free ahead, `beside`: metres to the nearest wall."""
         limits = self.limits
-        x, y, _ = between(place, (*self.target(place), 0.0))
+        # Straight to a point far ahead it may cut a corner of the path: what stands there is passed by the next points.
+        ahead = limits.ahead if room >= limits.stop else NEXT
+        x, y, _ = between(place, (*self.target(place, ahead), 0.0))
         distance, bearing = math.hypot(x, y), math.atan2(y, x)
         if abs(bearing) > SHARP or room < limits.stop:
             return 0.0, turn(bearing, limits)
