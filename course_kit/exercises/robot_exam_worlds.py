@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from random import Random
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 Point = tuple[float, float]
 SHORTEST, FARTHEST = 2.0, 6.0  # metres of way to a goal
 MARGINS = (0.0, 0.02, 0.04, 0.06)  # metres that a plan may keep from walls besides the robot's radius
+AROUND = 0.2  # metres from the end of a wall within which a plan through it may come out beside it
 BY_HEART = 0.5  # metres, seen from the start, from a goal of the worlds that everybody knows
 
 
@@ -64,22 +65,25 @@ def _is_straight(where: World, goal: Point) -> bool:
 
 
 def _is_hidden(where: World, goal: Point) -> bool:
-    """Whether a plan made at the start leads through something that stands there, whatever it keeps from walls."""
+    """Whether a plan made at the start leads through the midst of a wall, whatever it keeps from walls."""
+    from course_kit.navigation.places import between, moved
     from course_kit.navigation.planning import CostMap, plan
 
-    seen = _first_map(where)
-    plans = (plan(CostMap(seen, RADIUS + margin, into_unknown=True), where.start[:2], goal) for margin in MARGINS)
-    return all(where.clearances(*first.T).min() < 0 for first in plans)
+    walls = [replace(one, length=one.length - 2 * AROUND) for one in where.walls if one.length > 2 * AROUND]
+    midst = replace(where, walls=tuple(walls), pillars=())
+    seen, there = _first_map(where), between(where.start, (*goal, 0.0))[:2]
+    plans = (plan(CostMap(seen, RADIUS + margin, into_unknown=True), (0.0, 0.0), there) for margin in MARGINS)
+    return all(midst.clearances(*moved(first, where.start).T).min() < 0 for first in plans)
 
 
 def _first_map(where: World) -> GridMap:
-    """The map that a scan at the start gives."""
+    """The map that a scan at the start gives, which is its origin: its cells are turned as the robot is."""
     from course_kit.navigation.grid import Grid
     from course_kit.navigation.places import after
 
-    grid, angles = Grid(), np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS)
-    laser = after(where.start, (LASER[0], LASER[1], 0.0))
-    grid.add(laser, angles, where.distances(laser[0], laser[1], angles + laser[2]), LONGEST)
+    grid, angles, laser = Grid(), np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS), (LASER[0], LASER[1], 0.0)
+    x, y, heading = after(where.start, laser)
+    grid.add(laser, angles, where.distances(x, y, angles + heading), LONGEST)
     return grid.map()
 
 
