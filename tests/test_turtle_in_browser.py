@@ -138,24 +138,28 @@ def test_other_keys_go_on_to_jupyterlab(panel: Lab) -> None:
 
 
 def test_a_held_button_drives_again_and_again(panel: Lab) -> None:
-    box = panel.page.locator(PANEL + " button.up").bounding_box()
-    assert box is not None
-    panel.page.mouse.move(box["x"] + 10, box["y"] + 10)
+    panel.page.locator(PANEL + " button.up").hover()
     panel.page.mouse.down()
     until(panel, lambda: x(panel) > 8.5)  # one command is good for 2 m
     panel.page.mouse.up()
     until(panel, lambda: value(panel, "moved") == (2.0, 0.0))
 
 
-def test_a_click_teleports_and_spawns_where_it_was(panel: Lab) -> None:
-    box = panel.page.locator(FIELD + " canvas").bounding_box()
+def click_on_the_field(panel: Lab, across: float, down: float) -> None:
+    """Click at these parts of its width and height, once it stands still: JupyterLab scrolls to a cell that has run."""
+    canvas = panel.page.locator(FIELD + " canvas")
+    box = canvas.bounding_box()
     assert box is not None
-    panel.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.2 * box["height"])
+    canvas.click(position={"x": across * box["width"], "y": down * box["height"]})
+
+
+def test_a_click_teleports_and_spawns_where_it_was(panel: Lab) -> None:
+    click_on_the_field(panel, 0.5, 0.2)
     panel.page.locator(PANEL + " button", has_text="Teleport").click()
-    panel.page.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 0.25 * box["height"])
+    click_on_the_field(panel, 0.25, 0.25)
     until(panel, lambda: value(panel, "turtles") == {"turtle1": (2.8, 8.3)})
     panel.page.locator(PANEL + " button", has_text="Spawn").click()
-    panel.page.mouse.click(box["x"] + 0.75 * box["width"], box["y"] + 0.75 * box["height"])
+    click_on_the_field(panel, 0.75, 0.75)
     until(panel, lambda: value(panel, "turtles") == {"turtle1": (2.8, 8.3), "turtle2": (8.3, 2.8)})
     until(panel, lambda: "turtle2  x 8.3" in told(panel))
     assert colours(panel)[TRAIL] > 100

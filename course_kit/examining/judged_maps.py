@@ -66,8 +66,11 @@ def _near_wall(found: GridMap, points: Floats) -> npt.NDArray[np.bool_]:
     return np.asarray(found.wall_distances(points) < 1.5 * CELL)
 
 
-def cause(found: GridMap, world: World, reference: GridMap, odoms: Sequence[Place]) -> str:
-    """What was mixed up, as a hint: how good the map would be otherwise; `odoms`: where odom was in map."""
+def cause(found: GridMap, world: World, reference: GridMap, odoms: Sequence[Place], walled: GridMap) -> str:
+    """What was mixed up, as a hint: how good the map would be otherwise.
+
+    `odoms`: where odom was in map. `walled`: what `reference` would be if a beam that hit nothing had hit its end.
+    """
     cells = found.cells
 
     def is_good(changed: GridMap, move: Place = (0.0, 0.0, 0.0)) -> bool:
@@ -93,7 +96,7 @@ def cause(found: GridMap, world: World, reference: GridMap, odoms: Sequence[Plac
             f"It is shifted by ({-shift[0]:.2f}, {-shift[1]:.2f}) m: `info.origin` is the outer corner of the first "
             "cell, in map."
         )
-    if as_it_is.walls > 0.5 and as_it_is.true_walls < TRUE_WALLS and _are_far(found, world):
+    if as_it_is.walls > 0.5 and as_it_is.true_walls < TRUE_WALLS and _has_walls_of(walled, found, world):
         return "Walls stand in the midst of rooms: what is inf, or beyond range_max, has hit nothing."
     known = (found.cells >= 0).sum() / max(1, (reference.cells >= 0).sum())
     if known < 0.5:
@@ -114,8 +117,8 @@ def _best_shift(found: GridMap, reference: GridMap) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _are_far(found: GridMap, world: World) -> bool:
-    """Whether most of a map's walls that are none are far from all true ones."""
-    clear = np.abs(world.clearances(*found.centres(*np.nonzero(found.cells >= WALL)).T))
-    wrong = clear[clear >= FAR]
-    return bool(len(wrong)) and float((wrong > 3 * FAR).mean()) > 0.5
+def _has_walls_of(walled: GridMap, found: GridMap, world: World) -> bool:
+    """Whether most of a map's walls that are none are those of another."""
+    points = found.centres(*np.nonzero(found.cells >= WALL))
+    wrong = points[np.abs(world.clearances(*points.T)) >= FAR]
+    return bool(len(wrong)) and float(_near_wall(walled, wrong).mean()) > 0.7

@@ -79,7 +79,9 @@ def map_maker() -> None:
     )
     last, true = map_of(maps.last), robot.world
     judged = judge(last, true, reference)
-    why = "" if judged.is_good else cause(last, true, reference, told.told)
+    why = ""
+    if not judged.is_good:
+        why = cause(last, true, reference, told.told, _reference(scans.sent, buffer, hits_at_the_end=True))
     expect(
         "97 % of what it is sure of is right, and so are its walls",
         judged.right >= RIGHT and judged.true_walls >= TRUE_WALLS,
@@ -163,8 +165,8 @@ def _see_no_further(scan: LaserScan, reach: float) -> None:
     scan.ranges = [distance if distance <= reach or math.isnan(distance) else math.inf for distance in scan.ranges]
 
 
-def _reference(scans: list[LaserScan], buffer: Any) -> Any:
-    """The map that the scans give, each from where it was made."""
+def _reference(scans: list[LaserScan], buffer: Any, hits_at_the_end: bool = False) -> Any:
+    """The map that the scans give, each from where it was made; or as if each beam without a hit had one at its end."""
     from course_kit.navigation.grid import Grid
     from course_kit.navigation.messages import rays_of
 
@@ -172,7 +174,8 @@ def _reference(scans: list[LaserScan], buffer: Any) -> Any:
     for scan in scans:
         place = place_in(buffer, "map", scan.header.frame_id, scan.header.stamp)
         if place is not None:
-            grid.add(place, *rays_of(scan), scan.range_max)
+            angles, ranges = rays_of(scan)
+            grid.add(place, angles, np.minimum(ranges, scan.range_max) if hits_at_the_end else ranges, scan.range_max)
     return grid.map()
 
 
