@@ -71,7 +71,7 @@ class Trip:
         wait(is_driven, timeout, "a line", poll=0.1)
 
     def gets_clear(self, star: Star) -> bool:
-        """Whether the turtle gets clear of where a wrong star would begin or end, before its goal ends, or is late."""
+        """Wait until the turtle is clear of where a wrong star would begin or end; False if its goal ends before."""
 
         def is_clear() -> bool:
             return is_away(self._driven.last, self._places, CLEAR) or star.goal.settled is not None
