@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from random import Random
 from typing import TYPE_CHECKING
 
@@ -16,12 +16,18 @@ from course_kit.robot.world import World
 from course_kit.robot.worlds import NAMES, world
 
 if TYPE_CHECKING:
-    from course_kit.navigation.grid_map import GridMap
+    from course_kit.navigation.grid import Grid
+    from course_kit.navigation.places import Floats
+    from course_kit.navigation.planning import CostMap
 
 Point = tuple[float, float]
+Planner = tuple[float, float]
 SHORTEST, FARTHEST = 2.0, 6.0  # metres of way to a goal
-MARGINS = (0.0, 0.02, 0.04, 0.06)  # metres that a plan may keep from walls besides the robot's radius
+# Planners of students: metres that they keep from walls besides the robot's radius, and what an unknown cell costs.
+PLANNERS = tuple(product((0.0, 0.02, 0.04, 0.06), (0.0, 1.5, 5.0)))
 AROUND = 0.2  # metres from the end of a wall within which a plan through it may come out beside it
+DETOUR = 2.0  # times the shortest way that a robot drives, at most, which plans anew when a wall appears on its path
+LOOK = 5  # points of a path, 0.25 m, from look to look of such a robot
 BY_HEART = 0.5  # metres, seen from the start, from a goal of the worlds that everybody knows
 
 
@@ -35,10 +41,10 @@ class Task:
 
 
 def draw(kind: str, chance: Random) -> Task:
-    """A task in a world of this kind that no one passes by luck.
+    """A task in a world of this kind that no one passes by luck, and no one fails by it.
 
     Neither as the crow flies nor by a plan made at the start can the robot get there, nor is the goal, seen from the
-    start, where one of the worlds without a seed has one.
+    start, where one of the worlds without a seed has one. Who plans anew comes there in time.
     """
     while True:
         where = world(kind, chance.randrange(1_000, 1_000_000))
@@ -46,7 +52,7 @@ def draw(kind: str, chance: Random) -> Task:
             if math.dist(where.start[:2], goal) > FARTHEST or _is_known(where, goal) or _is_straight(where, goal):
                 continue
             way = _length(a_way(where, where.start[:2], goal))
-            if SHORTEST < way < FARTHEST and _is_hidden(where, goal):
+            if SHORTEST < way < FARTHEST and _is_hidden(where, goal) and _is_fair(where, goal, way):
                 return Task(where, goal, way)
 
 
@@ -65,26 +71,64 @@ def _is_straight(where: World, goal: Point) -> bool:
 
 
 def _is_hidden(where: World, goal: Point) -> bool:
-    """Whether a plan made at the start leads through the midst of a wall, whatever it keeps from walls."""
+    """Whether a plan made at the start leads through the midst of a wall, whoever makes it."""
+    from course_kit.navigation.grid import Grid
     from course_kit.navigation.places import between, moved
-    from course_kit.navigation.planning import CostMap, plan
+    from course_kit.navigation.planning import plan
 
     walls = [replace(one, length=one.length - 2 * AROUND) for one in where.walls if one.length > 2 * AROUND]
     midst = replace(where, walls=tuple(walls), pillars=())
-    seen, there = _first_map(where), between(where.start, (*goal, 0.0))[:2]
-    plans = (plan(CostMap(seen, RADIUS + margin, into_unknown=True), (0.0, 0.0), there) for margin in MARGINS)
+    grid, there = Grid(), between(where.start, (*goal, 0.0))[:2]
+    _see(grid, where, (0.0, 0.0))
+    plans = (plan(_costs(grid, planner), (0.0, 0.0), there) for planner in PLANNERS)
     return all(midst.clearances(*moved(first, where.start).T).min() < 0 for first in plans)
 
 
-def _first_map(where: World) -> GridMap:
-    """The map that a scan at the start gives, which is its origin: its cells are turned as the robot is."""
+def _is_fair(where: World, goal: Point, way: float) -> bool:
+    """Whether whoever plans anew at each wall that appears has no long way round."""
+    return all(_found_way(where, goal, planner, DETOUR * way) <= DETOUR * way for planner in PLANNERS)
+
+
+def _found_way(where: World, goal: Point, planner: Planner, enough: float) -> float:
+    """Metres to a goal for a robot that plans on what it has seen, and anew when that is in the way.
+
+    Where they are more than `enough`, they are not all of them.
+    """
     from course_kit.navigation.grid import Grid
+    from course_kit.navigation.places import between
+    from course_kit.navigation.planning import length, plan
+
+    grid, there = Grid(), between(where.start, (*goal, 0.0))[:2]
+    path: Floats = np.zeros((1, 2))
+    metres = 0.0
+    while metres <= enough:
+        here = (float(path[0, 0]), float(path[0, 1]))
+        _see(grid, where, here)
+        costs = _costs(grid, planner)
+        if len(path) == 1 or not costs.is_free(path[np.hypot(*(path - here).T) > RADIUS]).all():
+            path = plan(costs, here, there)
+        metres += length(path[: LOOK + 1])
+        if len(path) <= LOOK + 1:
+            return metres
+        path = path[LOOK:]
+    return metres
+
+
+def _see(grid: Grid, where: World, point: Point) -> None:
+    """Add a scan to a map, made at a point of it; the start is its origin, so its cells are turned as the robot is."""
     from course_kit.navigation.places import after
 
-    grid, angles, laser = Grid(), np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS), (LASER[0], LASER[1], 0.0)
-    x, y, heading = after(where.start, laser)
-    grid.add(laser, angles, where.distances(x, y, angles + heading), LONGEST)
-    return grid.map()
+    place, angles = after((*point, 0.0), (LASER[0], LASER[1], 0.0)), np.arange(RAYS, dtype=np.float64)
+    angles *= math.tau / RAYS
+    x, y, heading = after(where.start, place)
+    grid.add(place, angles, where.distances(x, y, angles + heading), LONGEST)
+
+
+def _costs(grid: Grid, planner: Planner) -> CostMap:
+    from course_kit.navigation.planning import CostMap
+
+    margin, unknown_cost = planner
+    return CostMap(grid.map(), RADIUS + margin, into_unknown=True, unknown_cost=unknown_cost)
 
 
 def _length(way: list[Point]) -> float:

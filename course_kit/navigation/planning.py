@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -43,19 +43,21 @@ class PlanError(ValueError):
 class CostMap:
     """What it costs to drive over each cell of a map: 1 far from walls, more near them, infinite nearer than `radius`.
 
-    Into the unknown a path may lead if `into_unknown`: of a map that is still being made.
+    Into the unknown a path may lead if `into_unknown`: of a map that is still being made; a cell there costs
+    `unknown_cost` besides.
     """
 
     map: GridMap
     radius: float  # metres from the robot's middle to all walls, at least
     into_unknown: bool = False
+    unknown_cost: float = UNKNOWN_COST
 
     @cached_property
     def costs(self) -> Floats:
         """Of each cell, shape (height, width)."""
         near = np.maximum(self.map.to_wall - self.radius, 0.0)
         costs = 1 + WALL_COST * np.exp(-near / WALL_REACH)
-        costs[self.map.cells == UNKNOWN] += UNKNOWN_COST if self.into_unknown else np.inf
+        costs[self.map.cells == UNKNOWN] += self.unknown_cost if self.into_unknown else np.inf
         costs[self.map.to_wall < self.radius] = np.inf
         return costs
 
@@ -75,7 +77,7 @@ class CostMap:
         (left, below), (right, above) = -low, np.maximum(high - size, round(EDGE / side))
         cells = np.pad(self.map.cells, ((below, above), (left, right)), constant_values=UNKNOWN)
         origin = (self.map.origin[0] - left * side, self.map.origin[1] - below * side)
-        return CostMap(GridMap(cells, side, origin), self.radius, self.into_unknown)
+        return replace(self, map=GridMap(cells, side, origin))
 
 
 def plan(cost_map: CostMap, start: tuple[float, float], goal: tuple[float, float]) -> Floats:
