@@ -108,6 +108,16 @@ def test_a_map_grows_to_all_sides_and_keeps_what_it_has() -> None:
     assert (grid_map.cells > 65).sum() == 3
 
 
+def test_beams_that_end_between_two_cells_stay_on_the_map() -> None:
+    grid, ahead, around = Grid(), np.array([0.0]), np.array([0.0, math.pi])
+    for count in range(1, 200):  # the map grows with it
+        x = 0.05 * count
+        Grid().add((x, 0.0, 0.0), ahead, np.array([1.0]), 3.5)
+        grid.add((0.0, 0.0, 0.0), around, np.array([x, x]), 99.0)
+        for end in (x, -x):
+            assert grid.map().at(np.array([[end - 0.01, 0.0], [end + 0.01, 0.0]])).max() > 50
+
+
 def test_a_map_of_true_places_is_the_true_map() -> None:
     grid, random = Grid(), np.random.default_rng(1)
     for x in np.linspace(-1.0, 1.0, 9):

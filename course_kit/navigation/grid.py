@@ -24,10 +24,16 @@ class Grid:
 
     def __init__(self, resolution: float = 0.05) -> None:
         self.resolution = resolution  # metres, the side of a cell
-        self.origin = (0.0, 0.0)  # x, y of the outer corner of cell [0, 0]
+        self._corner = np.zeros(2, np.intp)  # column and row of cell [0, 0], counted from the one at x = y = 0
         self.log_odds: Floats = np.zeros((0, 0))  # shape (height, width)
         # Of each cell: how many beams ended in it, the sum of their x, of their y.
         self._hits: Floats = np.zeros((0, 0, 3))
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """x, y of the outer corner of cell [0, 0], m."""
+        x, y = (self._corner * self.resolution).tolist()
+        return x, y
 
     def add(self, place: Place, angles: Floats, ranges: Floats, longest: float) -> None:
         """Take over a scan that was made at a place: angles from its heading in rad, ranges in m.
@@ -73,8 +79,12 @@ class Grid:
         return np.asarray(means[rows, columns])
 
     def _cells_of(self, points: Floats) -> tuple[Indices, Indices]:
-        columns, rows = np.floor((points - np.array(self.origin)) / self.resolution).astype(np.intp).T
+        columns, rows = (self._counted(points) - self._corner).T
         return rows, columns
+
+    def _counted(self, points: Floats) -> Indices:
+        # Not from a corner in metres: when that moves, a point between two cells would now be in one, now in the other.
+        return np.floor(points / self.resolution).astype(np.intp)
 
     def _touched(self, points: Floats) -> npt.NDArray[np.bool_]:
         touched = np.zeros(self.log_odds.shape, np.bool_)
@@ -85,15 +95,14 @@ class Grid:
         """Add rows and columns of unknown cells, so that all points lie within."""
         block = round(GROWTH / self.resolution)
         height, width = self.log_odds.shape
-        low = np.floor((points.min(axis=0) - self.origin) / self.resolution).astype(int)
-        high = np.floor((points.max(axis=0) - self.origin) / self.resolution).astype(int) + 1
+        cells = self._counted(points)
         if not self.log_odds.size:  # the first scan says where the map is
-            self.origin = (float(low[0] * self.resolution), float(low[1] * self.resolution))
-            low, high = low * 0, high - low
+            self._corner = cells.min(axis=0)
+        low, high = cells.min(axis=0) - self._corner, cells.max(axis=0) + 1 - self._corner
         # Whole blocks of cells: how many are missing on each side.
         left, below = (np.maximum(0, -(low // block)) * block).tolist()
         right, above = (np.maximum(0, -((np.array([width, height]) - high) // block)) * block).tolist()
         if left or below or right or above:
             self.log_odds = np.pad(self.log_odds, ((below, above), (left, right)))
             self._hits = np.pad(self._hits, ((below, above), (left, right), (0, 0)))
-            self.origin = (self.origin[0] - left * self.resolution, self.origin[1] - below * self.resolution)
+            self._corner = self._corner - (left, below)

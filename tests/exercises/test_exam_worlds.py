@@ -51,8 +51,8 @@ def test_who_plans_anew_comes_there_in_time(kind: str, chance: int) -> None:
     assert how.seconds < 0.7 * Crossing(task, "", 0.0, 0.0, 0, True, None).allowed
 
 
-# In the office at 9, and in the rooms and the maze, a plan that keeps the planner's margin got there by luck once.
-@pytest.mark.parametrize(("kind", "chance"), [("office", 5), ("office", 9), ("rooms", 1), ("maze", 8)])
+# In each, a draw that asked one planner only, and took a wall's very end for a wall, had one that got there by luck.
+@pytest.mark.parametrize(("kind", "chance"), [("office", 7), ("office", 9), ("rooms", 8), ("maze", 8)])
 def test_a_plan_made_at_the_start_leads_into_a_wall_also_with_the_margin_of_the_planner(kind: str, chance: int) -> None:
     task = draw(kind, Random(chance))
     costs = CostMap(seen_from_the_start(task.world), RADIUS + 0.04, into_unknown=True)
