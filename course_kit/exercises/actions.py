@@ -78,16 +78,17 @@ def _not_kept(rotations: TurtlesRotations) -> str:
     delta = wait_for_attribute("delta", is_result, timeout=2.0, needed=False)
     if not is_result(delta):
         return f"The result was {turned:.4f} rad, and after the turn `self.delta` is {delta!r}"
-    sent = rotations.remaining
-    if len(sent) <= 3:  # it looked west from the beginning: whether any is heard is chance
+    if len(rotations.remaining) <= 3:  # it looked west from the beginning: whether any is heard is chance
         return ""
 
     def is_last(value: Any) -> bool:
-        return _is_near(_field(value, "remaining"), *sent[-LATE_FEEDBACKS:])
+        # Looked up each time: the checker may hear the last ones after the node did.
+        return _is_near(_field(value, "remaining"), *rotations.remaining[-LATE_FEEDBACKS:])
 
     remaining = wait_for_attribute("remaining", is_last, timeout=0.5, needed=False)
     if not is_last(remaining):
-        return f"The last feedback was {sent[-1]:.4f} rad, and after the turn `self.remaining` is {remaining!r}"
+        last = f"The last feedback was {rotations.remaining[-1]:.4f} rad"
+        return f"{last}, and after the turn `self.remaining` is {remaining!r}"
     return ""
 
 
