@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from itertools import product
 from random import Random
 from typing import TYPE_CHECKING
 
@@ -17,11 +17,13 @@ from course_kit.robot.worlds import NAMES, world
 
 if TYPE_CHECKING:
     from course_kit.navigation.grid import Grid
+    from course_kit.navigation.grid_map import GridMap
     from course_kit.navigation.places import Floats
     from course_kit.navigation.planning import CostMap
 
 Point = tuple[float, float]
 Planner = tuple[float, float]
+ANGLES = np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS)  # of the laser's beams
 SHORTEST, FARTHEST = 2.0, 6.0  # metres of way to a goal
 # Planners of students: metres that they keep from walls besides the robot's radius, and what an unknown cell costs.
 PLANNERS = tuple(product((0.0, 0.02, 0.04, 0.06), (0.0, 1.5, 5.0)))
@@ -46,12 +48,14 @@ def draw(kind: str, chance: Random) -> Task:
     Neither as the crow flies nor by a plan made at the start can the robot get there, nor is the goal, seen from the
     start, where one of the worlds without a seed has one. Who plans anew comes there in time.
     """
+    from course_kit.navigation.planning import length
+
     while True:
         where = world(kind, chance.randrange(1_000, 1_000_000))
         for goal in chance.sample(where.goals, len(where.goals)):
             if math.dist(where.start[:2], goal) > FARTHEST or _is_known(where, goal) or _is_straight(where, goal):
                 continue
-            way = _length(a_way(where, where.start[:2], goal))
+            way = length(np.array(a_way(where, where.start[:2], goal)))
             if SHORTEST < way < FARTHEST and _is_hidden(where, goal) and _is_fair(where, goal, way):
                 return Task(where, goal, way)
 
@@ -80,7 +84,8 @@ def _is_hidden(where: World, goal: Point) -> bool:
     midst = replace(where, walls=tuple(walls), pillars=())
     grid, there = Grid(), between(where.start, (*goal, 0.0))[:2]
     _see(grid, where, (0.0, 0.0))
-    plans = (plan(_costs(grid, planner), (0.0, 0.0), there) for planner in PLANNERS)
+    seen = grid.map()
+    plans = (plan(_costs(seen, planner), (0.0, 0.0), there) for planner in PLANNERS)
     return all(midst.clearances(*moved(first, where.start).T).min() < 0 for first in plans)
 
 
@@ -104,7 +109,7 @@ def _found_way(where: World, goal: Point, planner: Planner, enough: float) -> fl
     while metres <= enough:
         here = (float(path[0, 0]), float(path[0, 1]))
         _see(grid, where, here)
-        costs = _costs(grid, planner)
+        costs = _costs(grid.map(), planner)
         if len(path) == 1 or not costs.is_free(path[np.hypot(*(path - here).T) > RADIUS]).all():
             path = plan(costs, here, there)
         metres += length(path[: LOOK + 1])
@@ -118,18 +123,13 @@ def _see(grid: Grid, where: World, point: Point) -> None:
     """Add a scan to a map, made at a point of it; the start is its origin, so its cells are turned as the robot is."""
     from course_kit.navigation.places import after
 
-    place, angles = after((*point, 0.0), (LASER[0], LASER[1], 0.0)), np.arange(RAYS, dtype=np.float64)
-    angles *= math.tau / RAYS
+    place = after((*point, 0.0), (LASER[0], LASER[1], 0.0))
     x, y, heading = after(where.start, place)
-    grid.add(place, angles, where.distances(x, y, angles + heading), LONGEST)
+    grid.add(place, ANGLES, where.distances(x, y, ANGLES + heading), LONGEST)
 
 
-def _costs(grid: Grid, planner: Planner) -> CostMap:
+def _costs(seen: GridMap, planner: Planner) -> CostMap:
     from course_kit.navigation.planning import CostMap
 
     margin, unknown_cost = planner
-    return CostMap(grid.map(), RADIUS + margin, into_unknown=True, unknown_cost=unknown_cost)
-
-
-def _length(way: list[Point]) -> float:
-    return sum(math.dist(a, b) for a, b in pairwise(way))
+    return CostMap(seen, RADIUS + margin, into_unknown=True, unknown_cost=unknown_cost)

@@ -41,8 +41,7 @@ def seen_from_the_start(where: World) -> GridMap:
     return grid.map()
 
 
-# The planner's robot drove 16 to 24 m in the first, third and fourth of them once, others' in the second: all way
-# round, since nobody could know behind which wall the door is.
+# Drawn without a look at the way round, these took the robot 90 to 128 s, 0.7 to 0.9 of what is allowed.
 @pytest.mark.parametrize(("kind", "chance"), [("rooms", 71078), ("rooms", 72066), ("rooms", 71003), ("maze", 71106)])
 def test_who_plans_anew_comes_there_in_time(kind: str, chance: int) -> None:
     task = draw(kind, Random(chance))
