@@ -100,7 +100,7 @@ SECONDS = {
     "test_bags": 28,
     "test_processes": 27,
     "test_chapter_packages": 25,
-    "test_exit_timer": 25,
+    "test_watchdog": 25,
     "test_ros2_children": 24,
     "test_internals_rclpy": 23,
     "test_overlay": 23,

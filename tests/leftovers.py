@@ -70,6 +70,17 @@ def remove_shared_memory() -> None:
                 port.with_name(name).unlink(missing_ok=True)
 
 
+def made_by(pid: int) -> list[Path]:
+    """The segments that a process has made, and their locks; none of one that has ended."""
+    found = set()
+    with contextlib.suppress(FileNotFoundError):
+        for entry in Path(f"/proc/{pid}/fd").iterdir():
+            lock = Path(os.path.realpath(entry))
+            if lock.parent == shared_memory.FOLDER and shared_memory.LOCK.fullmatch(lock.name):
+                found |= {lock.with_name(lock.name.removesuffix("_el")), lock}
+    return sorted(found)
+
+
 def _uses_shared_memory(process: int) -> bool:
     with contextlib.suppress(OSError):  # it has ended, or is another user's
         return bytes(shared_memory.FOLDER / "fastrtps_") in Path(f"/proc/{process}/maps").read_bytes()

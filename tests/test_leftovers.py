@@ -24,6 +24,7 @@ from course_kit.ending import shared_memory
 from tests import lab
 from tests.domains import own_domain
 from tests.kernel import Kernel
+from tests.leftovers import made_by
 from tests.ros2_command import COMMAND, ros2
 from tests.ros2_launches import none_left
 from tests.terminal import CTRL_C, Terminal
@@ -56,7 +57,7 @@ def family(pid: int) -> list[int]:
 
 def segments(pids: list[int]) -> list[Path]:
     """The shared memory that these processes have made."""
-    return [path for pid in pids for path in shared_memory.made_by(pid)]
+    return [path for pid in pids for path in made_by(pid)]
 
 
 @pytest.mark.parametrize("how", ENDS)

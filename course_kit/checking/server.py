@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from course_kit import exercises
-from course_kit.ending.exit_timer import ExitTimer
+from course_kit.ending import watchdog
 from course_kit.examining import examination, own_types
 from course_kit.examining.channel import Channel, Closed, Message
 from course_kit.examining.domains import reserve_stage
@@ -52,7 +52,7 @@ class Checker:
                 message = self._channel.receive()
                 if message is not None:
                     (self._answers if "answer" in message else self._requests).put(message)
-        ExitTimer(END_TIMEOUT, status=1)  # in case something hangs
+        watchdog.end_in(END_TIMEOUT, status=1)  # in case something hangs
         self._requests.put(None)
 
     def serve(self) -> None:

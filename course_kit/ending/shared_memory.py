@@ -27,17 +27,6 @@ def tidy() -> None:
                     _remove_if_left(lock)
 
 
-def made_by(pid: int) -> list[Path]:
-    """The segments that a process has made, and their locks; none of one that has ended."""
-    found = set()
-    with contextlib.suppress(FileNotFoundError):
-        for entry in Path(f"/proc/{pid}/fd").iterdir():
-            lock = Path(os.path.realpath(entry))
-            if lock.parent == FOLDER and LOCK.fullmatch(lock.name):
-                found |= {_segment(lock), lock}
-    return sorted(found)
-
-
 def _segment(lock: Path) -> Path:
     return lock.with_name(lock.name.removesuffix("_el"))
 

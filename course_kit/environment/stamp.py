@@ -33,6 +33,7 @@ def sources(root: Path) -> Iterator[Path]:
     yield root / "pyproject.toml"
     yield from (kit / "environment" / name for name in ("requirements.lock", "compiler.py", "pins.py"))
     yield from (kit / "interfaces" / name for name in ("build_hook.py", "course_kit_environment.pth", "rosidl.py"))
+    yield kit / "ending" / "watchdog.c"
     for folder in (kit / "environment/prefix", *(p.parent for p in sorted(kit.glob("interfaces/*/package.xml")))):
         yield from sorted(p for p in folder.rglob("*") if p.is_file() and p.parent.name != "__pycache__")
 

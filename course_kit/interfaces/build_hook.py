@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import subprocess
 import sys
 import sysconfig
 from pathlib import Path
@@ -21,6 +22,7 @@ from course_kit.environment.interpreter import INTERFACES, interfaces_to_compile
 from course_kit.interfaces import rosidl  # noqa: E402
 
 PREFIX = ROOT / "course_kit" / "environment" / "prefix"
+WATCHDOG = ROOT / "course_kit" / "ending" / "watchdog.c"
 # The generators and the linker need these; their versions are those of the lock.
 BUILD_WHEELS = (
     "ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "ros-action-msgs", "ros-geometry-msgs", "empy",
@@ -56,10 +58,9 @@ class Packages(BuildHookInterface):
 
     def dependencies(self) -> list[str]:
         """The packages that compiling needs."""
-        if not self.interfaces():
-            return []
+        wheels = BUILD_WHEELS if self.interfaces() else ()
         has_compiler = compiler.of_the_machine(os.environ)
-        return pins.versions(BUILD_WHEELS if has_compiler else (*BUILD_WHEELS, compiler.WHEEL))
+        return pins.versions(wheels if has_compiler else (*wheels, compiler.WHEEL))
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Compile the interfaces and add the packages to the wheel."""
@@ -70,12 +71,13 @@ class Packages(BuildHookInterface):
             shared[str(path)] = str(path.relative_to(PREFIX))
         if pins.compiler_is_wanted(os.environ):
             shared |= self._tools(work / "compiler")
+        shared[str(self._watchdog(work))] = "lib/course_kit/watchdog.so"
+        self._force_platform_tag(build_data)
         interfaces = self.interfaces()
         if interfaces:
             for name, folder in self._compiled(interfaces, work).items():
                 modules = [p for p in sorted(folder.rglob("*")) if p.suffix in (".py", ".so")]
                 include |= {str(p): f"{name}/{p.relative_to(folder)}" for p in modules}
-            self._force_platform_tag(build_data)
         for name in packages_to_install(sourced_ros(os.environ)):
             python = INTERFACES / name / "python"  # what is imported by its name; its code is in course_kit
             include |= {str(p): str(p.relative_to(python)) for p in sorted(python.rglob("*.py"))}
@@ -89,6 +91,14 @@ class Packages(BuildHookInterface):
         folder.mkdir(exist_ok=True)
         compiler.write_tools(folder, to_prefix="../" * len(Path(TOOLS).parts))
         return {str(p): f"{TOOLS}/{p.relative_to(folder)}" for p in folder.rglob("*") if p.is_file()}
+
+    @staticmethod
+    def _watchdog(work: Path) -> Path:
+        """Compile what keeps a process from hanging."""
+        made = work / "watchdog.so"
+        command = [*compiler.find(work).c, "-O2", "-shared", "-fPIC", "-pthread", str(WATCHDOG), "-o", str(made)]
+        subprocess.run(command, check=True)
+        return made
 
     def _compiled(self, packages: dict[str, Path], work: Path) -> dict[str, Path]:
         """Compile, unless the same definitions were compiled before."""

@@ -17,6 +17,7 @@ from concurrent.futures import Future, wait
 from pathlib import Path
 
 from course_kit.arguments import SIGNAL, TEXT, WAIT, takes
+from course_kit.ending import watchdog
 from course_kit.programs.orphans import Watch, end_all, marked, with_mark
 from course_kit.programs.process_output import as_seen, open_terminal, read_lines
 
@@ -50,6 +51,7 @@ class Process:
         self._ended: Future[int] = Future()
         self._lock = threading.Lock()
         self._mark = _watch().new_mark()
+        watchdog.begin()  # the process may be one of ROS without a watchdog of its own
         self._ours, theirs = open_terminal() if in_terminal else os.pipe()
         try:
             self._popen = subprocess.Popen(

@@ -14,6 +14,7 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
+from course_kit.ending import watchdog
 from course_kit.ending.signals import asking_to_end
 from course_kit.programs.orphans import Watch, with_mark
 from course_kit.programs.process_output import read_lines
@@ -37,6 +38,7 @@ def run_in_terminal(cmd: Sequence[str]) -> int:
     def pass_on(number: int, _: FrameType | None) -> None:
         process.send_signal(number)  # does nothing once it has ended
 
+    watchdog.heed_no_signals()  # the program may take longer
     try:
         process = _started(cmd, env=with_mark(os.environ, watch.token))
         with contextlib.ExitStack() as handlers:

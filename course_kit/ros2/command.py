@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from types import FrameType
 from typing import NoReturn
 
-from course_kit.ending.exit_timer import ExitTimer
+from course_kit.ending import watchdog
 from course_kit.ending.signals import asking_to_end
 from course_kit.internals.import_parts import import_less
 from course_kit.kernel import in_kernel
@@ -39,7 +39,6 @@ COMMANDS = {
     "wtf": "the same as doctor",
 }
 _MODULES = {"wtf": "doctor"}
-END_TIMEOUT = 3.0  # seconds for leaving the graph
 DESCRIPTION = "What runs on ROS 2 here: look at it, try it, start it."
 OF_A_NOTEBOOK = f"\nWith {BACKGROUND} at its end a command goes on in a view of its own, until stop()."
 
@@ -152,6 +151,7 @@ def main() -> NoReturn:
     for number in asking_to_end():
         signal.signal(number, _terminate)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # also in a shell's background, where it is ignored
+    watchdog.end_after_signals()
     try:
         status = run(words)
     except KeyboardInterrupt:  # before the verb began
@@ -175,7 +175,7 @@ def end(status: int) -> NoReturn:
         sys.stdout.flush()
         sys.stderr.flush()
     if "course_kit.spinning.context" in sys.modules:
-        ExitTimer(END_TIMEOUT, status)
+        watchdog.end_in(watchdog.END_TIMEOUT, status)
         sys.modules["course_kit.spinning.context"].stop()
     os._exit(status)
 

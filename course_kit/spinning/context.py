@@ -12,7 +12,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from course_kit.ending import shared_memory
+from course_kit.ending import shared_memory, watchdog
 
 # Callbacks run outside any cell, so nothing they log may go to a cell's output: logs travel over /rosout alone.
 ARGUMENTS = ["--ros-args", "--disable-external-lib-logs", "--disable-stdout-logs"]
@@ -46,6 +46,7 @@ def start(args: list[str] | None = None, domain_id: int | None = None) -> int:
         else:
             if _starts == 0:
                 shared_memory.tidy()  # a process before this one may have been killed
+            watchdog.begin()
             arguments = [*(args or []), *ARGUMENTS]
             _plain_init(args=arguments, domain_id=domain_id, signal_handler_options=SignalHandlerOptions.NO)
             _domain_given = domain_id
@@ -63,6 +64,7 @@ def separate(domain: int | None, reach: str | None) -> Context:
     `reach` is its ROS_AUTOMATIC_DISCOVERY_RANGE, whatever the environment says; None: as the environment says.
     """
     made = Context()
+    watchdog.begin()
     with _lock, contextlib.nullcontext() if reach is None else _reaching(reach):
         _plain_init(args=ARGUMENTS, context=made, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
     return made

@@ -18,11 +18,10 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from course_kit.ending.exit_timer import ExitTimer
+from course_kit.ending import watchdog
 from course_kit.ending.signals import asking_to_end
 
 SIGNAL_TIMEOUT = 0.1  # seconds until a signal is looked at where no message comes
-END_TIMEOUT = 3.0  # seconds for leaving ROS; a launch waits 5 before its next signal
 NodeType = TypeVar("NodeType", bound=Node)
 
 
@@ -74,6 +73,7 @@ def program(
             signal.signal(each, signal.default_int_handler)
 
     before.update((each, signal.signal(each, on_signal)) for each in (signal.SIGINT, *asking_to_end()))
+    watchdog.end_after_signals()
     try:
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
@@ -94,15 +94,15 @@ def program(
         sys.exit(f"{name} cannot start: {error}")
     finally:
         _leave_ros(made, status)
+        watchdog.heed_no_signals()
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
 def _leave_ros(nodes: list[Node], status: int) -> None:
     sys.stdout.flush()
-    timer = ExitTimer(END_TIMEOUT, status)
+    watchdog.end_in(watchdog.END_TIMEOUT, status)
     with contextlib.suppress(KeyboardInterrupt):
         for node in nodes:
             node.destroy_node()
     rclpy.try_shutdown()
-    timer.cancel()

@@ -9,6 +9,7 @@ from argparse import Namespace
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from course_kit.ending import watchdog
 from course_kit.ros2.bag import options
 from course_kit.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failed, failing_with
 from course_kit.ros2.completion import names_of
@@ -92,6 +93,7 @@ def _run(recorder: Recorder, pressed: Callable[[], str | None], session: Session
     except SystemExit:  # SIGTERM is a good way to end a recording
         pass
     finally:
+        watchdog.heed_no_signals()  # a bag is closed whole, however long its disk takes
         with handling(signal.SIGINT, signal.SIG_IGN):  # a second Ctrl-C must not keep the bag from being closed
             recorder.stop()
         while not recorder.log.empty():

@@ -9,8 +9,8 @@ from multiprocessing import Pipe
 
 import pytest
 
-from course_kit.ending import shared_memory
 from course_kit.examining.channel import Channel
+from tests.leftovers import made_by
 from tests.waiting import TIMEOUT
 
 # As rclpy in a deadlock of the middleware: in a native call, and no other thread of Python's runs.
@@ -61,12 +61,12 @@ def run(code: str, *arguments: str) -> tuple[int, list[str]]:
 
 @pytest.mark.parametrize("status", [0, 7, 255])
 def test_the_timer_ends_a_process_that_a_native_call_holds(status: int) -> None:
-    code = f"from course_kit.ending.exit_timer import ExitTimer; ExitTimer(0.3, {status}); stuck()"
+    code = f"from course_kit.ending import watchdog; watchdog.end_in(0.3, {status}); stuck()"
     assert run(code) == (status, [])
 
 
 def test_a_cancelled_timer_ends_nothing() -> None:
-    code = "import time; from course_kit.ending.exit_timer import ExitTimer; ExitTimer(0.1, 7).cancel(); "
+    code = "import time; from course_kit.ending import watchdog; watchdog.end_in(0.1, 7); watchdog.let_live(); "
     assert run(code + "time.sleep(0.5); print('here')") == (0, ["here"])
 
 
@@ -92,7 +92,7 @@ def test_the_ros2_command_at_sigterm() -> None:
     try:
         assert process.stdout is not None
         assert any("publishing #1" in line for line in process.stdout)
-        left = shared_memory.made_by(process.pid)
+        left = made_by(process.pid)
         assert left
         process.terminate()
         assert process.wait(TIMEOUT) == 128 + signal.SIGTERM

@@ -1,0 +1,240 @@
+/* A thread that keeps this process from hanging while a native call holds Python's lock.
+
+   rclpy holds the lock in most calls into ROS, so no code of Python's can help a process that waits there:
+   no signal handler runs, and no other thread. This thread needs no lock. It does two things:
+
+   - It heals dead segments. Fast DDS makes a file in /dev/shm in four steps: it creates the file, sets its length,
+     maps it, writes a state into its first word. A process that is killed in between leaves a file that never gets
+     ready. Everybody who opens it waits without an end (boost::interprocess, managed_open_or_create_impl). Those who
+     wait get an exception if the state says that the file is corrupted, and make it anew.
+   - It ends the process when its time has come: so long after a signal, or when an exit timer is over. */
+
+#define _GNU_SOURCE
+#include <ctype.h>
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define FOLDER "/dev/shm"
+#define PREFIX "fastrtps_"
+#define LOCK_SUFFIX "_el"
+enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 initializing */
+#define HEX_DIGITS 16              /* of the name of a data segment */
+#define PERIOD_MS 500              /* between two looks at the folder */
+#define NEW_S 1.0                  /* a younger file may still be made; its maker needs microseconds */
+#define SMALLEST 4096              /* a file without a length gets this one, so that it can be mapped */
+
+static double now(clockid_t clock) {
+    struct timespec time;
+    clock_gettime(clock, &time);
+    return time.tv_sec + time.tv_nsec / 1e9;
+}
+
+static int ends_with(const char *text, const char *end) {
+    size_t length = strlen(text), end_length = strlen(end);
+    return length >= end_length && strcmp(text + length - end_length, end) == 0;
+}
+
+/* ---- Dead segments */
+
+/* Whether a stopped process, such as one after Ctrl-Z, has the file open or mapped: it may be its maker. */
+static int has_stopped_user(const char *path) {
+    DIR *processes = opendir("/proc");
+    struct dirent *entry;
+    int found = 0;
+    while (processes && !found && (entry = readdir(processes))) {
+        char name[300], line[1024], state = ' ';
+        FILE *file;
+        if (!isdigit((unsigned char)entry->d_name[0])) continue;
+        snprintf(name, sizeof name, "/proc/%s/stat", entry->d_name);
+        if (!(file = fopen(name, "re"))) continue;
+        if (fgets(line, sizeof line, file) && strrchr(line, ')')) state = strrchr(line, ')')[2];
+        fclose(file);
+        if (state != 'T' && state != 't') continue;
+        snprintf(name, sizeof name, "/proc/%s/maps", entry->d_name);
+        if ((file = fopen(name, "re"))) {
+            while (!found && fgets(line, sizeof line, file)) found = strstr(line, path) != NULL;
+            fclose(file);
+        }
+        snprintf(name, sizeof name, "/proc/%s/fd", entry->d_name);
+        DIR *files = opendir(name);
+        struct dirent *link;
+        while (files && !found && (link = readdir(files))) {
+            ssize_t length = readlinkat(dirfd(files), link->d_name, line, sizeof line - 1);
+            if (length > 0) {
+                line[length] = 0;
+                found = strcmp(line, path) == 0;
+            }
+        }
+        if (files) closedir(files);
+    }
+    if (processes) closedir(processes);
+    return found;
+}
+
+/* Heals the file if it is a dead segment of this user; returns 1 if it was one. */
+static int heal(const char *name) {
+    char path[sizeof FOLDER + 256];
+    struct stat found, still;
+    int healed = 0;
+    snprintf(path, sizeof path, FOLDER "/%s", name);
+    if (lstat(path, &found) || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return 0;
+    if (now(CLOCK_REALTIME) - (found.st_mtim.tv_sec + found.st_mtim.tv_nsec / 1e9) < NEW_S) return 0;
+    int file = open(path, O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0) return 0;
+    _Atomic unsigned state = READY;
+    int is_empty = found.st_size == 0;
+    int is_dead = is_empty || (found.st_size >= SMALLEST && pread(file, &state, sizeof state, 0) == sizeof state &&
+                               state < READY);
+    /* The lock keeps two that heal from each other: the second could remove what was made anew meanwhile. */
+    if (is_dead && !has_stopped_user(path) && !flock(file, LOCK_EX | LOCK_NB) && !fstat(file, &found) &&
+        !lstat(path, &still) && still.st_ino == found.st_ino && is_empty == (found.st_size == 0) &&
+        (!is_empty || !ftruncate(file, SMALLEST))) {
+        _Atomic unsigned *word = mmap(NULL, sizeof *word, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+        if (word != MAP_FAILED) {
+            unsigned seen = atomic_load(word);
+            if (seen < READY && unlink(path) == 0) healed = atomic_compare_exchange_strong(word, &seen, CORRUPTED);
+            munmap((void *)word, sizeof *word);
+        }
+    }
+    close(file);
+    return healed;
+}
+
+/* Heals all dead segments of this user, ports and data; returns how many there were. */
+int watchdog_heal(void) {
+    DIR *folder = opendir(FOLDER);
+    struct dirent *entry;
+    int healed = 0;
+    while (folder && (entry = readdir(folder)))
+        if (!strncmp(entry->d_name, PREFIX, strlen(PREFIX)) && !ends_with(entry->d_name, LOCK_SUFFIX))
+            healed += heal(entry->d_name);
+    if (folder) closedir(folder);
+    return healed;
+}
+
+/* ---- The end of the process */
+
+/* Removes the data segments that this process has made; it holds the lock of each open. */
+static void remove_own_segments(void) {
+    DIR *files = opendir("/proc/self/fd");
+    struct dirent *entry;
+    const char *start = FOLDER "/" PREFIX;
+    const size_t length = strlen(start) + HEX_DIGITS;
+    while (files && (entry = readdir(files))) {
+        char path[512];
+        ssize_t size = readlinkat(dirfd(files), entry->d_name, path, sizeof path - 1);
+        if (size < 0) continue;
+        path[size] = 0;
+        if (strncmp(path, start, strlen(start)) || strspn(path + strlen(start), "0123456789abcdef") != HEX_DIGITS ||
+            strcmp(path + length, LOCK_SUFFIX))
+            continue;
+        unlink(path);
+        path[length] = 0;
+        unlink(path);
+    }
+    if (files) closedir(files);
+}
+
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+static double deadline;      /* in seconds of CLOCK_MONOTONIC; 0: none */
+static int status;           /* the exit status at the deadline */
+static int signals[2];       /* a pipe: Python's own signal handler in C writes the number of each signal into it */
+static unsigned long ending; /* the signals that end the process, as bits */
+static double patience;      /* seconds from such a signal to the end */
+static pid_t owner;
+
+static void end_at(double time, int exit_status) {
+    if (deadline == 0 || time < deadline) deadline = time;
+    status = exit_status;
+}
+
+static void take_signals(void) {
+    unsigned char number;
+    while (read(signals[0], &number, 1) == 1)
+        if (number < 64 && patience > 0 && ending >> number & 1 && deadline == 0)
+            end_at(now(CLOCK_MONOTONIC) + patience, 128 + number);
+}
+
+static void *run(void *nothing) {
+    struct pollfd heard = {signals[0], POLLIN, 0};
+    double next_look = 0;
+    while (1) {
+        pthread_mutex_lock(&lock);
+        take_signals();
+        double time = now(CLOCK_MONOTONIC);
+        int is_over = deadline > 0 && time >= deadline, exit_status = status;
+        double wait = deadline > 0 && (deadline - time) * 1e3 < PERIOD_MS ? (deadline - time) * 1e3 + 1 : PERIOD_MS;
+        pthread_mutex_unlock(&lock);
+        if (is_over) {
+            remove_own_segments();
+            _exit(exit_status);
+        }
+        if (time >= next_look) {
+            watchdog_heal();
+            next_look = time + PERIOD_MS / 1e3;
+        }
+        poll(&heard, 1, wait);
+    }
+    return nothing;
+}
+
+/* A forked child has none of its parent's threads, but the lock as one of them may have held it. */
+static void forget_lock(void) { lock = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER; }
+
+/* Starts the thread, once in a process; returns the end of the pipe for signals, or -1 with errno. */
+int watchdog_begin(void) {
+    static int handles_forks;
+    pthread_mutex_lock(&lock);
+    if (owner != getpid()) {
+        if (!handles_forks) handles_forks = !pthread_atfork(NULL, NULL, forget_lock);
+        pthread_t thread;
+        sigset_t all, before;
+        int failed = pipe2(signals, O_NONBLOCK | O_CLOEXEC);
+        deadline = patience = 0;
+        sigfillset(&all); /* signals go to the threads of the program */
+        pthread_sigmask(SIG_SETMASK, &all, &before);
+        if (failed || (errno = pthread_create(&thread, NULL, run, NULL)) || pthread_detach(thread)) signals[1] = -1;
+        else owner = getpid();
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    }
+    pthread_mutex_unlock(&lock);
+    return signals[1];
+}
+
+/* Has each of the signals, given as bits, end the process so many seconds after it; 0: no longer. */
+void watchdog_end_after_signals(unsigned long numbers, double seconds) {
+    pthread_mutex_lock(&lock);
+    ending = numbers;
+    patience = seconds;
+    pthread_mutex_unlock(&lock);
+}
+
+/* Ends the process in so many seconds with an exit status; sooner if a signal has set an earlier end. */
+void watchdog_end_in(double seconds, int exit_status) {
+    pthread_mutex_lock(&lock);
+    end_at(now(CLOCK_MONOTONIC) + seconds, exit_status);
+    pthread_mutex_unlock(&lock);
+    unsigned char nothing = 0;
+    if (write(signals[1], &nothing, 1) < 0) return; /* the thread waits for less time from now on */
+}
+
+/* Lets the process live, whatever was to end it. */
+void watchdog_let_live(void) {
+    pthread_mutex_lock(&lock);
+    take_signals();
+    deadline = 0;
+    pthread_mutex_unlock(&lock);
+}
