@@ -5,10 +5,12 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+import time
 from multiprocessing import Pipe
 
 import pytest
 
+from course_kit.ending import watchdog
 from course_kit.examining.channel import Channel
 from tests.leftovers import made_by
 from tests.waiting import TIMEOUT
@@ -50,6 +52,31 @@ from course_kit.examining import station
 station.Station.close = lambda self: stuck()
 checker.main()
 """
+
+
+# Held in the midst: while a node is made, and while it works.
+HELD = {
+    "a program as it starts": """
+from rclpy.node import Node
+from course_kit.turtlesim.program import spin
+def held():
+    node = Node("held")
+    print("held", flush=True)
+    stuck()
+spin("held", held, None)
+""",
+    "a program at work": NODE.format(work="print('held', flush=True); stuck()"),
+    "a verb": """
+from course_kit.ros2 import command
+from course_kit.ros2.session import Session
+def held(self):
+    self.node
+    print("held", flush=True)
+    stuck()
+Session.join = held
+command.main()
+""",
+}
 
 
 def run(code: str, *arguments: str) -> tuple[int, list[str]]:
@@ -117,3 +144,48 @@ def test_the_checker() -> None:
     finally:
         process.kill()
         process.wait()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("what", HELD)
+def test_a_signal_ends_what_a_native_call_holds(what: str, number: signal.Signals) -> None:
+    """Also its shared memory is gone."""
+    command = [sys.executable, "-c", NEVER_RETURNS + HELD[what], "topic", "list"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            assert any("held" in line for line in process.stdout)
+            left = made_by(process.pid)
+            assert left
+            began = time.monotonic()
+            process.send_signal(number)
+            assert process.wait(TIMEOUT) == 128 + number
+            assert time.monotonic() - began < watchdog.END_TIMEOUT + 1.0
+            assert not [path for path in left if path.exists()]
+        finally:
+            process.kill()
+
+
+def test_what_ends_by_itself_after_a_signal_has_its_own_status() -> None:
+    code = "import os, signal, time; from course_kit.ending import watchdog; signal.signal(15, lambda *_: os._exit(7));"
+    assert run(f"{code} watchdog.end_after_signals(); os.kill(os.getpid(), 15); time.sleep(9)") == (7, [])
+
+
+def test_what_has_to_go_on_heeds_no_signal() -> None:
+    code = "import os, signal, time; from course_kit.ending import watchdog; signal.signal(15, lambda *_: None);"
+    code += "watchdog.end_after_signals(0.1); os.kill(os.getpid(), 15); watchdog.heed_no_signals(); time.sleep(0.5);"
+    assert run(code + "print('here')") == (0, ["here"])
+
+
+def test_a_forked_child_has_a_watchdog_of_its_own() -> None:
+    code = """
+import os
+from course_kit.ending import watchdog
+watchdog.begin()
+if child := os.fork():
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+else:
+    watchdog.end_in(0.2, 7)
+    stuck()
+"""
+    assert run(code) == (0, ["7"])

@@ -30,10 +30,12 @@
 #define FOLDER "/dev/shm"
 #define PREFIX "fastrtps_"
 #define LOCK_SUFFIX "_el"
+#define SEMAPHORE_PREFIX "sem.fastrtps_port"
 enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 initializing */
 #define HEX_DIGITS 16              /* of the name of a data segment */
-#define PERIOD_MS 500              /* between two looks at the folder */
-#define NEW_S 1.0                  /* a younger file may still be made; its maker needs microseconds */
+#define PERIOD_MS 250              /* between two looks at the folder */
+#define NEW_S 1.0                  /* a younger file may still be made, which takes microseconds, by one who has it */
+#define UNUSED_S 0.1               /* the same where nobody has it, unless its maker is out of sight in a container */
 #define SMALLEST 4096              /* a file without a length gets this one, so that it can be mapped */
 
 static double now(clockid_t clock) {
@@ -49,59 +51,80 @@ static int ends_with(const char *text, const char *end) {
 
 /* ---- Dead segments */
 
-/* Whether a stopped process, such as one after Ctrl-Z, has the file open or mapped: it may be its maker. */
-static int has_stopped_user(const char *path) {
+/* Whether a process, given by its folder in /proc, has the file open or mapped; 0 if it does not let that be seen. */
+static int uses(const char *process, const char *path) {
+    char name[300], line[1024];
+    struct stat owner_of;
+    int found = 0;
+    if (stat(process, &owner_of) || owner_of.st_uid != geteuid()) return 0; /* it has ended, or is another user's */
+    snprintf(name, sizeof name, "%s/maps", process);
+    FILE *maps = fopen(name, "re");
+    if (!maps) return 0;
+    while (!found && fgets(line, sizeof line, maps)) found = strstr(line, path) != NULL;
+    fclose(maps);
+    snprintf(name, sizeof name, "%s/fd", process);
+    DIR *files = found ? NULL : opendir(name);
+    struct dirent *link;
+    while (files && !found && (link = readdir(files))) {
+        ssize_t length = readlinkat(dirfd(files), link->d_name, line, sizeof line - 1);
+        found = length == (ssize_t)strlen(path) && !strncmp(line, path, length);
+    }
+    if (files) closedir(files);
+    return found;
+}
+
+/* Which processes of this user have the file: its maker may be among them. */
+enum users { NOBODY, SOMEBODY, A_STOPPED_ONE };
+
+static enum users users_of(const char *path) {
     DIR *processes = opendir("/proc");
     struct dirent *entry;
-    int found = 0;
-    while (processes && !found && (entry = readdir(processes))) {
-        char name[300], line[1024], state = ' ';
-        FILE *file;
+    enum users users = processes ? NOBODY : SOMEBODY;
+    while (processes && users != A_STOPPED_ONE && (entry = readdir(processes))) {
+        char folder[280], name[300], line[1024], state = ' ';
         if (!isdigit((unsigned char)entry->d_name[0])) continue;
-        snprintf(name, sizeof name, "/proc/%s/stat", entry->d_name);
-        if (!(file = fopen(name, "re"))) continue;
-        if (fgets(line, sizeof line, file) && strrchr(line, ')')) state = strrchr(line, ')')[2];
-        fclose(file);
-        if (state != 'T' && state != 't') continue;
-        snprintf(name, sizeof name, "/proc/%s/maps", entry->d_name);
-        if ((file = fopen(name, "re"))) {
-            while (!found && fgets(line, sizeof line, file)) found = strstr(line, path) != NULL;
-            fclose(file);
-        }
-        snprintf(name, sizeof name, "/proc/%s/fd", entry->d_name);
-        DIR *files = opendir(name);
-        struct dirent *link;
-        while (files && !found && (link = readdir(files))) {
-            ssize_t length = readlinkat(dirfd(files), link->d_name, line, sizeof line - 1);
-            if (length > 0) {
-                line[length] = 0;
-                found = strcmp(line, path) == 0;
-            }
-        }
-        if (files) closedir(files);
+        snprintf(folder, sizeof folder, "/proc/%s", entry->d_name);
+        if (!uses(folder, path)) continue;
+        users = SOMEBODY;
+        snprintf(name, sizeof name, "%s/stat", folder);
+        FILE *file = fopen(name, "re");
+        if (file && fgets(line, sizeof line, file) && strrchr(line, ')')) state = strrchr(line, ')')[2];
+        if (file) fclose(file);
+        if (state == 'T' || state == 't') users = A_STOPPED_ONE; /* as after Ctrl-Z */
     }
     if (processes) closedir(processes);
-    return found;
+    return users;
+}
+
+/* Whether the file is a segment of this user that is not ready, and that nobody can be making any more. */
+static int is_dead(const char *path) {
+    struct stat found;
+    unsigned state = READY;
+    if (lstat(path, &found) || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return 0;
+    double age = now(CLOCK_REALTIME) - (found.st_mtim.tv_sec + found.st_mtim.tv_nsec / 1e9);
+    if (age < UNUSED_S) return 0;
+    if (found.st_size != 0) {
+        int file = open(path, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+        if (file < 0 || read(file, &state, sizeof state) != sizeof state) state = READY;
+        if (file >= 0) close(file);
+        if (state >= READY) return 0;
+    }
+    enum users users = users_of(path);
+    return users == NOBODY || (users == SOMEBODY && age >= NEW_S);
 }
 
 /* Heals the file if it is a dead segment of this user; returns 1 if it was one. */
 static int heal(const char *name) {
     char path[sizeof FOLDER + 256];
-    struct stat found, still;
+    struct stat opened, named;
     int healed = 0;
     snprintf(path, sizeof path, FOLDER "/%s", name);
-    if (lstat(path, &found) || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return 0;
-    if (now(CLOCK_REALTIME) - (found.st_mtim.tv_sec + found.st_mtim.tv_nsec / 1e9) < NEW_S) return 0;
+    if (!is_dead(path)) return 0;
     int file = open(path, O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) return 0;
-    _Atomic unsigned state = READY;
-    int is_empty = found.st_size == 0;
-    int is_dead = is_empty || (found.st_size >= SMALLEST && pread(file, &state, sizeof state, 0) == sizeof state &&
-                               state < READY);
     /* The lock keeps two that heal from each other: the second could remove what was made anew meanwhile. */
-    if (is_dead && !has_stopped_user(path) && !flock(file, LOCK_EX | LOCK_NB) && !fstat(file, &found) &&
-        !lstat(path, &still) && still.st_ino == found.st_ino && is_empty == (found.st_size == 0) &&
-        (!is_empty || !ftruncate(file, SMALLEST))) {
+    if (!flock(file, LOCK_EX | LOCK_NB) && !fstat(file, &opened) && !lstat(path, &named) &&
+        named.st_ino == opened.st_ino && (opened.st_size > 0 || !ftruncate(file, SMALLEST))) {
         _Atomic unsigned *word = mmap(NULL, sizeof *word, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
         if (word != MAP_FAILED) {
             unsigned seen = atomic_load(word);
@@ -113,14 +136,37 @@ static int heal(const char *name) {
     return healed;
 }
 
-/* Heals all dead segments of this user, ports and data; returns how many there were. */
+/* Whether a port's semaphore, which is this user's, is taken and nobody has it. */
+static int is_held_by_the_dead(const char *path) {
+    struct stat found;
+    for (int look = 0; look < 2; look++) { /* who held it at the first look may have given it back meanwhile */
+        unsigned value = 1;
+        int file = lstat(path, &found) || !S_ISREG(found.st_mode) || found.st_uid != geteuid()
+                       ? -1
+                       : open(path, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+        if (file < 0 || read(file, &value, sizeof value) != sizeof value) value = 1;
+        if (file >= 0) close(file);
+        if (value != 0 || (look == 0 && users_of(path) != NOBODY)) return 0;
+    }
+    return 1;
+}
+
+/* Heals all dead segments of this user, ports and data; returns how many there were.
+
+   The semaphore that a port is made under goes too if it is held by the dead: Fast DDS would take it over after 2 s. */
 int watchdog_heal(void) {
     DIR *folder = opendir(FOLDER);
     struct dirent *entry;
     int healed = 0;
-    while (folder && (entry = readdir(folder)))
+    while (folder && (entry = readdir(folder))) {
         if (!strncmp(entry->d_name, PREFIX, strlen(PREFIX)) && !ends_with(entry->d_name, LOCK_SUFFIX))
             healed += heal(entry->d_name);
+        if (!strncmp(entry->d_name, SEMAPHORE_PREFIX, strlen(SEMAPHORE_PREFIX))) {
+            char path[sizeof FOLDER + 256];
+            snprintf(path, sizeof path, FOLDER "/%s", entry->d_name);
+            if (is_held_by_the_dead(path)) unlink(path);
+        }
+    }
     if (folder) closedir(folder);
     return healed;
 }

@@ -1,0 +1,133 @@
+"""What dead processes left in shared memory stops nobody: it is healed, also while somebody waits on it.
+
+The programs are dead_segments.py and storm.py of tests/programs; `python -m tests.benchmark dead_segments` has more.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from course_kit.ending import watchdog
+from course_kit.ending.shared_memory import FOLDER
+from tests.programs.dead_segments import CASES, DEAD, in_own_shared_memory
+
+HEALED = 20.0  # seconds; a quiet machine needs less than 2, as the benchmark shows
+OLD = 5.0  # seconds: older than what may still be made
+READY = b"\2" + bytes(4095)
+STANDS_STILL = """
+import os, signal, sys
+file = open(sys.argv[1])
+print("here", flush=True)
+os.kill(os.getpid(), signal.SIGSTOP)
+"""
+ROOT = Path(__file__).parents[1]
+as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can mount a shared memory of its own")
+
+
+def outcome(*words: str, timeout: float) -> Any:
+    """What a program prints as JSON that runs in a shared memory of its own."""
+    command = in_own_shared_memory(sys.executable, "-m", *words)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, cwd=ROOT)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return json.loads(done.stdout)
+
+
+@as_root
+@pytest.mark.parametrize("case", CASES)
+def test_it_holds_no_program_for_long(case: str) -> None:
+    assert max(outcome("tests.programs.dead_segments", case, "2", timeout=100.0)) < HEALED
+
+
+@as_root
+def test_a_storm_of_killed_processes_stops_nobody() -> None:
+    ended = outcome("tests.programs.storm", "200", timeout=110.0)
+    assert ended["killed"] == 200
+    assert max(ended["new_node"]) < 2.0
+    assert not ended["deaf"]
+    assert ended["hanging"] == 0
+
+
+@pytest.fixture
+def segment() -> Iterator[Path]:
+    """A file with a name as Fast DDS gives it, of a port that no domain has."""
+    path = FOLDER / f"fastrtps_port{os.getpid() + 70_000}"
+    yield path
+    path.unlink(missing_ok=True)
+
+
+def age(path: Path, seconds: float) -> None:
+    os.utime(path, (time.time() - seconds,) * 2)
+
+
+@pytest.mark.parametrize("kind", DEAD)
+def test_one_that_nobody_has_goes_at_once(kind: str, segment: Path) -> None:
+    segment.write_bytes(DEAD[kind])
+    age(segment, 0.5)
+    assert watchdog.heal() == 1
+    assert not segment.exists()
+
+
+@pytest.mark.parametrize("kind", DEAD)
+def test_who_waits_on_one_sees_that_it_is_corrupted(kind: str, segment: Path) -> None:
+    segment.write_bytes(DEAD[kind])
+    age(segment, OLD)
+    with open(segment, "rb") as waiting:
+        assert watchdog.heal() == 1
+        assert waiting.read(4) == b"\3\0\0\0"
+
+
+def test_one_that_is_being_made_is_left(segment: Path) -> None:
+    """By a process that has it, and has begun a moment ago."""
+    segment.write_bytes(DEAD["zero"])
+    age(segment, 0.5)
+    with open(segment, "rb"):
+        assert watchdog.heal() == 0
+    age(segment, 0.0)  # or by one that cannot be seen, in a container
+    assert watchdog.heal() == 0
+    assert segment.exists()
+
+
+def test_one_whose_maker_may_stand_still_is_left(segment: Path) -> None:
+    segment.write_bytes(DEAD["zero"])
+    with subprocess.Popen([sys.executable, "-c", STANDS_STILL, str(segment)], stdout=subprocess.PIPE) as maker:
+        assert maker.stdout is not None and maker.stdout.readline()
+        os.waitid(os.P_PID, maker.pid, os.WSTOPPED)
+        age(segment, OLD)
+        healed = watchdog.heal()
+        maker.kill()
+    assert healed == 0
+    assert segment.exists()
+
+
+def test_ready_ones_and_what_is_no_segment_are_left(segment: Path) -> None:
+    others = [segment.with_name(f"other_{segment.name}"), segment.with_name(f"{segment.name}_el")]
+    segment.write_bytes(READY)
+    for other in others:
+        other.touch()
+        age(other, OLD)
+    age(segment, OLD)
+    try:
+        assert watchdog.heal() == 0
+        assert all(path.exists() for path in (segment, *others))
+    finally:
+        for other in others:
+            other.unlink()
+
+
+@as_root
+def test_one_of_another_user_is_left(segment: Path) -> None:
+    segment.write_bytes(DEAD["zero"])
+    age(segment, OLD)
+    os.chown(segment, 65534, 65534)
+    assert watchdog.heal() == 0
+    assert segment.exists()
+    assert segment.read_bytes()[:4] == bytes(4)
