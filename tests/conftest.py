@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import faulthandler
 import gc
 import json
 import os
 import signal
+import sys
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from tests import leftovers
 from tests.domains import give_back, own_domain, use_own_domain
+from tests.scheduling import GroupScheduling
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 GROUPS = "COURSE_KIT_TEST_GROUPS"  # those that are run, if not all
@@ -108,6 +112,8 @@ SECONDS = {
     "test_tf_ros": 16,
 }
 SHORT = 8
+HELD = 15.0  # seconds that pytest-timeout has to end a process before the C library does
+STDERR = os.dup(sys.__stderr__.fileno())  # which pytest replaces while it captures
 CHANGED_LIMIT = 110  # of the two minutes that --changed may take, without the start
 
 if not IS_WORKER:
@@ -140,6 +146,11 @@ def pytest_configure(config: pytest.Config) -> None:
         print(f"Further away, and left to a run of all: {', '.join(left) or 'none'}.")
 
 
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> GroupScheduling | None:
+    """Where groups are run beside each other, have a group outlive the end of its process."""
+    return GroupScheduling(config, log) if config.getoption("dist") == "loadgroup" else None
+
+
 def group(item: pytest.Item) -> str:
     """Tests of a group run one after another, where tests run beside each other: its own, or that of its module."""
     mark = item.get_closest_marker("xdist_group")
@@ -151,6 +162,18 @@ def is_run(item: pytest.Item) -> bool:
     if GROUPS in os.environ:
         return group(item) in json.loads(os.environ[GROUPS])
     return bool(item.config.getoption("full")) or item.get_closest_marker("slow") is None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """End this process if a native call holds Python's lock beyond the test's time: pytest-timeout is Python."""
+    mark = item.get_closest_marker("timeout")
+    seconds = float(mark.args[0] if mark else item.config.getini("timeout"))
+    faulthandler.dump_traceback_later(seconds + HELD, file=STDERR, exit=True)
+    try:
+        return (yield)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -68,6 +68,7 @@ for line in sys.stdin:
     child = os.fork()
     if child == 0:
         os.environ["ROS_DOMAIN_ID"] = domain
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Fast DDS writes its errors there
         live()
     print(child, flush=True)
 """
