@@ -7,7 +7,6 @@ import gc
 import json
 import os
 import signal
-import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -112,8 +111,8 @@ SECONDS = {
     "test_tf_ros": 16,
 }
 SHORT = 8
-HELD = 15.0  # seconds that pytest-timeout has to end a process before the C library does
-STDERR = os.dup(sys.__stderr__.fileno())  # which pytest replaces while it captures
+TIMEOUT = 120  # seconds of a test without a mark of its own
+STDERR = os.dup(2)  # which pytest replaces while it captures
 CHANGED_LIMIT = 110  # of the two minutes that --changed may take, without the start
 
 if not IS_WORKER:
@@ -166,10 +165,12 @@ def is_run(item: pytest.Item) -> bool:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """End this process if a native call holds Python's lock beyond the test's time: pytest-timeout is Python."""
+    """Say where a test stands when its time is over, and end its process, in which later tests would fail too.
+
+    The C library does so, because a native call may hold Python's lock.
+    """
     mark = item.get_closest_marker("timeout")
-    seconds = float(mark.args[0] if mark else item.config.getini("timeout"))
-    faulthandler.dump_traceback_later(seconds + HELD, file=STDERR, exit=True)
+    faulthandler.dump_traceback_later(mark.args[0] if mark else TIMEOUT, file=STDERR, exit=True)
     try:
         return (yield)
     finally:

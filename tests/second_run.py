@@ -21,7 +21,7 @@ from nbval.plugin import IPyNbFile
 from tests.lab import browser, server
 
 TIMEOUT = 400.0  # seconds; some cells build packages
-OPTIONS = ("--nbval", "-q", "-p", "no:cacheprovider", "--timeout=0")
+OPTIONS = ("--nbval", "-q", "-p", "no:cacheprovider")
 
 
 class InTheBrowser(pytest.Item):

@@ -5,20 +5,19 @@ The programs are dead_segments.py and storm.py of tests/programs; `python -m tes
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from course_kit.ending import watchdog
 from course_kit.ending.shared_memory import FOLDER
-from tests.programs.dead_segments import CASES, DEAD, in_own_shared_memory
+from tests.benchmark.dead_segments import outcome
+from tests.programs.dead_segments import CASES, DEAD
 
 HEALED = 20.0  # seconds; a quiet machine needs less than 2, as the benchmark shows
 OLD = 5.0  # seconds: older than what may still be made
@@ -29,27 +28,18 @@ file = open(sys.argv[1])
 print("here", flush=True)
 os.kill(os.getpid(), signal.SIGSTOP)
 """
-ROOT = Path(__file__).parents[1]
 as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can mount a shared memory of its own")
-
-
-def outcome(*words: str, timeout: float) -> Any:
-    """What a program prints as JSON that runs in a shared memory of its own."""
-    command = in_own_shared_memory(sys.executable, "-m", *words)
-    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, cwd=ROOT)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return json.loads(done.stdout)
 
 
 @as_root
 @pytest.mark.parametrize("case", CASES)
 def test_it_holds_no_program_for_long(case: str) -> None:
-    assert max(outcome("tests.programs.dead_segments", case, "2", timeout=100.0)) < HEALED
+    assert max(outcome("tests.programs.dead_segments", case, "2")) < HEALED
 
 
 @as_root
 def test_a_storm_of_killed_processes_stops_nobody() -> None:
-    ended = outcome("tests.programs.storm", "200", timeout=110.0)
+    ended = outcome("tests.programs.storm", "200")
     assert ended["killed"] == 200
     assert max(ended["new_node"]) < 2.0
     assert not ended["deaf"]

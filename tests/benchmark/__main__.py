@@ -26,6 +26,7 @@ SECTIONS = (
     "setup",
     "students",
     "leftovers",
+    "dead_segments",
     "notebooks",
 )
 

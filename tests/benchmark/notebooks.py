@@ -30,7 +30,7 @@ def rows(quick: bool) -> Iterator[Row]:
 
 def _run(path: Path, domain: int) -> tuple[float, float]:
     """Seconds of the whole run, and the most megabytes that its kernel had."""
-    command = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", "--timeout=0", path.name]
+    command = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q", path.name]
     began = time.monotonic()
     process = subprocess.Popen(
         command, cwd=path.parent, env=environment(domain), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL

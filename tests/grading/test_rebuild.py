@@ -144,7 +144,7 @@ def test_plain_nbval_sees_the_same_verdicts(tmp_path: Path):
     asked = ["services-1", "services-3", "services-4"]
     path = tmp_path / NAME
     nbformat.write(rebuilt(MASTERS["services"], sources, asked), path)
-    command = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-v", "--timeout=0", path.name]
+    command = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-v", path.name]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=180)
     cells = [cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code"]
     checks = {mark_of(c)["exercise"]: number for number, c in enumerate(cells) if mark_of(c).get("role") == CHECK}

@@ -50,7 +50,7 @@ CHECK = "check('setup-2')"
 
 
 def in_own_shared_memory(*command: str) -> list[str]:
-    """A command line for root that runs a command with an empty /dev/shm of its own; all that it starts ends with it."""
+    """A command line for root that runs a command with an empty /dev/shm of its own; what it starts ends with it."""
     script = f"mount -t tmpfs -o mode=1777 tmpfs {FOLDER} && exec {shlex.join(command)}"
     return ["unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc", "sh", "-c", script]
 
