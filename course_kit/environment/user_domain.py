@@ -8,9 +8,8 @@ As quick as the rest of activation: no module is imported that costs more than l
 
 from __future__ import annotations
 
-import os
-
 import _socket
+import os
 
 DOMAINS = range(1, 102)  # never everybody's default of 0; above, the ports are those that Linux gives to any program
 PORT_BASE, DOMAIN_GAIN = 7400, 250
