@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
+import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -25,3 +27,15 @@ def command_of(user: int, folder: Path, *command: str, environment: Mapping[str,
     words = [*as_user, "env", "-i", *(f"{k}={v}" for k, v in {**environ, **(environment or {})}.items()), *command]
     # In a mount namespace of its own, so that nothing is changed for anybody else.
     return ["unshare", "-m", "sh", "-c", "\n".join([*steps, f"cd {folder}", f"exec {shlex.join(words)}"])]
+
+
+@contextlib.contextmanager
+def another_machine() -> Iterator[list[str]]:
+    """A shared memory and a loopback interface that no process of this machine has; how a command line there begins."""
+    steps = ["set -e", "mount -t tmpfs -o mode=1777 tmpfs /dev/shm", "ip link set lo up", "echo ready", "read end"]
+    command = ["unshare", "-m", "-n", "sh", "-c", "\n".join(steps)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as machine:
+        assert machine.stdout is not None
+        assert machine.stdout.readline() == "ready\n"
+        yield ["nsenter", f"--target={machine.pid}", "--mount", "--net"]
+        machine.communicate("end\n", timeout=20)

@@ -1,8 +1,10 @@
-"""Ann and Bob on one machine: what Bob sends into the domain of Ann's checker, over UDP, is told and never counted."""
+"""Ann and Bob on one machine: Bob's messages to Ann's checker never count, and the two do not meet in /dev/shm."""
 
 from __future__ import annotations
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -11,9 +13,10 @@ from pathlib import Path
 
 import pytest
 
+from course_kit.environment.activation import PROFILE
 from course_kit.examining.domains import STAGES
 from tests.grading.handed_in import references
-from tests.other_users import command_of
+from tests.other_users import another_machine, command_of
 
 ANN, BOB = 3042, 3142
 DOMAINS = (43, *STAGES[:8])  # Ann's, and the stages that she can get
@@ -105,3 +108,41 @@ def test_what_another_user_sends_is_told_and_not_counted(folder: Path, is_right:
         heard = bob.communicate("", timeout=30)[0]
     assert f"{EXERCISE} · Count down: 0 of 2 points" in ann.stdout, (ann.stdout, ann.stderr, heard)
     assert not is_right or "/bob of another process or context" in ann.stdout
+
+
+NODE = """
+import sys
+import rclpy
+rclpy.init()
+node = rclpy.create_node("node")
+print("ready", flush=True)
+sys.stdin.read()
+"""
+# A port as a process that goes on can have it: its segment and its mutex are gone, and the lock is held.
+LOSE_PORTS = "cd /dev/shm && rm -f sem.fastrtps_port*_mutex && ls | grep -x 'fastrtps_port[0-9]*' | xargs rm"
+
+
+@pytest.mark.skipif(shutil.which("ip") is None, reason="`ip` is not installed: apt-get install iproute2")
+@pytest.mark.parametrize("is_course", [True, False], ids=["course", "one port base for all"])
+def test_a_users_node_does_not_meet_the_locks_of_another_user(folder: Path, is_course: bool) -> None:
+    environment = {}
+    if not is_course:
+        whole = Path(PROFILE).read_text()
+        (folder / "shared.xml").write_text(re.sub("<port>.*</port>", "", whole, flags=re.DOTALL))
+        environment["FASTRTPS_DEFAULT_PROFILES_FILE"] = f"{folder}/shared.xml"
+    nodes = {}
+    for user in (ANN, BOB):
+        own = {**environment, "HOME": f"{folder}/{user}"}
+        nodes[user] = command_of(user, folder, sys.executable, "-c", NODE, environment=own)
+    with another_machine() as there:
+        pipe = subprocess.PIPE
+        with subprocess.Popen([*there, *nodes[ANN]], stdin=pipe, stdout=pipe, text=True) as anns:
+            assert anns.stdout is not None
+            assert anns.stdout.readline() == "ready\n"
+            subprocess.run([*there, "sh", "-c", LOSE_PORTS], check=True, timeout=20)
+            bobs = subprocess.run([*there, *nodes[BOB]], input="", capture_output=True, text=True, timeout=60)
+            anns.communicate("", timeout=30)
+    printed = bobs.stdout + bobs.stderr
+    assert printed.count("open_and_lock_file failed") == (0 if is_course else 2), printed
+    assert printed.endswith("ready\n")
+    assert not is_course or printed == "ready\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import subprocess
 import sys
@@ -92,3 +93,35 @@ def test_sixty_users_at_once_share_nothing(module, call) -> None:
         assert set(given) <= set(user_domain.DOMAINS if module is user_domain else domains.STAGES)
     with process(users[0], module.__file__, call) as after:
         assert told(after) in given
+
+
+def test_unique_network_flows_of_no_two_users_meet_and_other_ports_are_those_of_rtps() -> None:
+    flows = [first_flow(domain) for domain in (0, *user_domain.DOMAINS)]
+    assert flows[0] == 7000  # as without a profile
+    assert {before - after for before, after in itertools.pairwise(flows)} == {user_domain.FLOWS}
+    assert min(flows) > 1023  # below, only root may use a port
+
+
+def first_flow(domain: int) -> int:
+    """The first port of the unique network flows of a domain's user, whose offsets make up for the lower base."""
+    base, offset, following = map(int, user_domain.ports_of(str(domain)).values())
+    offsets = [int(f"{offset}0"), int(f"{following}0"), int(f"{offset}1"), int(f"{following}1")]
+    assert [base + each for each in offsets] == [7400, 7410, 7401, 7411]
+    return base - 400
+
+
+def test_a_domain_in_which_another_user_left_ports_is_taken_last(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(user_domain, "SHARED_MEMORY", str(tmp_path))
+    monkeypatch.setattr(user_domain, "_held_by", lambda uid: [])
+    monkeypatch.setattr(user_domain, "_hold", lambda domain: True)
+    leave(tmp_path, BOB, "fastrtps_port18161", "fastrtps_port5241_el", "fastrtps_0123456789abcdef", "fastrtps_portal")
+    assert user_domain.take(ANN) == "45"  # 43 by its own port, 44 by one of a unique network flow
+    assert user_domain.take(BOB) == "43"
+    leave(tmp_path, EVE, *(f"fastrtps_port{first_flow(domain)}" for domain in user_domain.DOMAINS))
+    assert user_domain.take(ANN) == "43"
+
+
+def leave(folder: Path, uid: int, *names: str) -> None:
+    for name in names:
+        Path(folder, name).touch()
+        os.chown(Path(folder, name), uid, uid)

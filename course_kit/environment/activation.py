@@ -93,9 +93,12 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
     reach = environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or ("SUBNET" if is_open else "LOCALHOST")
     environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = reach
     # One that was given out before, to a parent of this process, is held by this one too.
-    domain = environ.get("ROS_DOMAIN_ID")
-    if domain == environ.get(DOMAIN_OF_USER):
-        environ["ROS_DOMAIN_ID"] = environ[DOMAIN_OF_USER] = user_domain.take(os.getuid(), domain)
+    domain, given = environ.get("ROS_DOMAIN_ID"), environ.get(DOMAIN_OF_USER)
+    held = user_domain.take(os.getuid(), given)
+    if domain == given:
+        environ["ROS_DOMAIN_ID"] = environ[DOMAIN_OF_USER] = held
+    # Also in a domain that the user has set: another user may have set the same.
+    environ.update(user_domain.ports_of(held))
     # Without the check, which ROS 2 leaves out by default, an int in a float field arrives as garbage.
     environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
     own_profile = os.path.exists("DEFAULT_FASTRTPS_PROFILES.xml")

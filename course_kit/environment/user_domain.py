@@ -2,30 +2,52 @@
 
 They hold it together, by a port of the domain that DDS leaves free: Linux lets the processes of one user share a port,
 nobody else's join them, and frees it when the last one ends. So there is no file, and nothing to take back.
+The number of the domain names other ports of the user as well, see ports_of().
 As quick as the rest of activation: no module is imported that costs more than loading it.
 """
 
 from __future__ import annotations
 
 import _socket
+import os
 
 DOMAINS = range(1, 102)  # never everybody's default of 0; above, the ports are those that Linux gives to any program
 PORT_BASE, DOMAIN_GAIN = 7400, 250
 UNUSED = 5  # of a domain's ports; DDS has 0 and 1, and those from 10 on
+FLOWS_BELOW = 400  # the first port of a unique network flow is so far below Fast DDS's port base
+FLOWS = 40  # ports of a user for unique network flows; each context needs one
+SHARED_MEMORY, PORT_FILE = "/dev/shm", "fastrtps_port"
 
 
 def take(uid: int, given: str | None = None) -> str:
     """The domain of this user, held for as long as this process lives; `given` is that of the process's parent.
 
-    The one that the user's other processes hold, else the first free one from 1 + uid % 100 on. With 101 users at once
-    the next one shares a domain.
+    The one that the user's other processes hold, else the first free one from 1 + uid % 100 on. Those in which another
+    user has left ports in shared memory come last. With 101 users at once the next one shares a domain.
     """
     first = 1 + uid % 100
     ordered = [*range(first, DOMAINS.stop), *range(DOMAINS.start, first)]
     if given is not None and given.isascii() and given.isdigit():
         _hold(int(given))
         return given
+    ordered.sort(key=_left_by_others(uid).__contains__)
     return str(next(filter(_hold, [*_held_by(uid), *ordered]), first))
+
+
+def ports_of(domain: str) -> dict[str, str]:
+    """The variables by which Fast DDS's profile gives the user of a domain ports of their own.
+
+    rmw_fastrtps wants a unique network flow for each context, and Fast DDS takes the first free port from 400 below its
+    port base on, in UDP and in shared memory, in every domain alike: 7000, 7001, … for all users of a machine. With a
+    lower base, and offsets higher by as much, those ports are the user's alone and all others are where DDS has them.
+    A profile can only put digits behind a variable, so the offsets are in tens.
+    """
+    lower = FLOWS * (int(domain) % DOMAINS.stop)
+    return {
+        "COURSE_KIT_PORT_BASE": str(PORT_BASE - lower),
+        "COURSE_KIT_PORT_OFFSET": str(lower // 10),
+        "COURSE_KIT_PORT_OFFSET_NEXT": str(lower // 10 + 1),
+    }
 
 
 def _hold(domain: int) -> bool:
@@ -54,3 +76,25 @@ def _held_by(uid: int) -> list[int]:
     except OSError:
         return []
     return [domains[row[1]] for row in rows if row[7] == str(uid).encode() and row[1] in domains]
+
+
+def _left_by_others(uid: int) -> set[int]:
+    """The domains some of whose ports in shared memory are another user's, dead or alive."""
+    found = set()
+    for name in os.listdir(SHARED_MEMORY) if os.path.isdir(SHARED_MEMORY) else ():
+        number = name[len(PORT_FILE) :].partition("_")[0]
+        if name.startswith(PORT_FILE) and number.isdecimal():
+            try:
+                owner = os.stat(f"{SHARED_MEMORY}/{name}").st_uid
+            except OSError:  # it has gone
+                continue
+            if owner != uid:
+                found.add(_domain_of_port(int(number)))
+    return found
+
+
+def _domain_of_port(port: int) -> int:
+    """The domain that a port belongs to, and its user's unique network flows."""
+    if port >= PORT_BASE:
+        return (port - PORT_BASE) // DOMAIN_GAIN
+    return -((port - PORT_BASE + FLOWS_BELOW) // FLOWS)

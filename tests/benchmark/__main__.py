@@ -25,6 +25,7 @@ SECTIONS = (
     "bags",
     "setup",
     "students",
+    "users",
     "leftovers",
     "dead_segments",
     "notebooks",

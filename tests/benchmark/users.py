@@ -1,0 +1,87 @@
+"""Whether the users of one machine meet in shared memory: eight of them, who start and end ROS again and again.
+
+Only root can be several users. They have a /dev/shm and a loopback interface of their own.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from tests.benchmark.child import PROFILES, ROOT
+from tests.benchmark.table import Row, at_least, at_most
+from tests.other_users import another_machine, command_of
+
+NOTE = (
+    "users: eight ordinary users, four of whom prefer the domains of the other four, in kernels, `ros2` verbs and "
+    "launches at once; every other kernel is killed. Plain is the course's profile with Fast DDS's own port base."
+)
+USERS = (3040, 3041, 3042, 3043, 3140, 3141, 3142, 3143)
+PROGRAM = "tests.benchmark.programs.one_of_users"
+LAUNCH = """
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+def generate_launch_description():
+    node = Node(package="turtlesim", executable="turtlesim_node", namespace=LaunchConfiguration("name"))
+    return LaunchDescription([DeclareLaunchArgument("name"), node])
+"""
+
+
+def rows(quick: bool) -> Iterator[Row]:
+    """All rows of this section."""
+    if os.getuid() != 0:
+        print("users: left out, only root can be several users", file=sys.stderr)
+        return
+    seconds = 30.0 if quick else 120.0
+    found = {shared: lived(seconds, shared) for shared in (True, False)}
+    counts = {
+        shared: {key: sum(len(one[key]) for one in all_of_them) for key in ("lost", "strangers", "complaints")}
+        for shared, all_of_them in found.items()
+    }
+    plain, course = counts[True], counts[False]
+    rounds = {shared: sum(one["rounds"] for one in all_of_them) for shared, all_of_them in found.items()}
+    yield at_least("8 users: rounds of a kernel, 4 verbs and a launch", "", rounds[False], len(USERS), rounds[True])
+    yield at_most("8 users: errors of Fast DDS's shared memory", "lines", course["complaints"], 0, plain["complaints"])
+    yield at_most("8 users: messages and nodes of one's own that were lost", "", course["lost"], 0, plain["lost"])
+    yield at_most("8 users: nodes of strangers that were seen", "", course["strangers"], 0, plain["strangers"])
+
+
+def lived(seconds: float, shared: bool) -> list[dict[str, Any]]:
+    """What each user reports; with one port base for all of them, or each with their own."""
+    with tempfile.TemporaryDirectory(prefix="course-users-", dir="/tmp") as made, another_machine() as there:
+        folder = Path(made)
+        folder.chmod(0o755)
+        (folder / "turtle.launch.py").write_text(LAUNCH)
+        environment = {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
+        if shared:
+            text = re.sub("<port>.*</port>", "", PROFILES["course"].read_text(), flags=re.DOTALL)
+            (folder / "shared.xml").write_text(text)
+            environment["FASTRTPS_DEFAULT_PROFILES_FILE"] = f"{folder}/shared.xml"
+        running = []
+        for user in USERS:
+            home = folder / str(user)
+            home.mkdir()
+            os.chown(home, user, user)
+            words = [sys.executable, "-m", PROGRAM, f"user_{user}", str(seconds), str(folder / "turtle.launch.py")]
+            own = {**environment, "HOME": str(home), "TMPDIR": str(home)}
+            command = [*there, *command_of(user, folder, *words, environment=own)]
+            running.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
+        reports = []
+        for user, process in zip(USERS, running, strict=True):
+            printed, errors = process.communicate(timeout=seconds + 600)
+            if process.returncode:
+                raise RuntimeError(f"user {user} ended with {process.returncode}: {errors}")
+            reports.append(json.loads(printed.splitlines()[-1]))
+            for what in (*reports[-1]["lost"], *reports[-1]["strangers"], *reports[-1]["complaints"]):
+                print(f"users: {'plain' if shared else 'course'}, {user}: {what}", file=sys.stderr)
+    return reports
