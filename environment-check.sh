@@ -34,7 +34,7 @@ bare() { "$1" -ESB -m "course_kit.environment.$2" "${@:3}"; }
 
 # ---- Which Python
 
-python_needed="The course needs Python 3.10 to 3.13, and beside a sourced ROS 2 the one that ROS 2 is built for."
+python_needed="The course needs Python 3.10 to 3.14, and beside a sourced ROS 2 the one that ROS 2 is built for."
 apt_python="sudo apt-get install -y python3 python3-venv python3-dev"
 
 # $PYTHON, or every Python on PATH, the best first.
@@ -42,7 +42,7 @@ pythons() {
     if [[ -n ${PYTHON:-} ]]; then
         printf '%s\n' "$PYTHON"
     else
-        type -aP python3.12 python3.13 python3.11 python3.10 python3
+        type -aP python3.12 python3.13 python3.11 python3.14 python3.10 python3
     fi
 }
 
@@ -59,22 +59,24 @@ candidates() {
     ((${#conda[@]} == 0)) || printf '%s\n' "${conda[@]}"
 }
 
-# Sets `python` to the first that set-up can use. Fails if there is none: `advice` says what to install, and
+# Sets `python` to the first that set-up can use. Fails if there is none: `advice` says why, `cure` what to do, and
 # `python` is the one that came closest, which can run the checks, or empty.
 choose_python() {
-    local candidate lacks status lacking=''
-    python='' advice="No Python here fits${PYTHON:+ (PYTHON=$PYTHON)}. $python_needed Install one: $apt_python"
+    local candidate said status lacking=''
+    python='' cure=$apt_python advice="No Python here fits${PYTHON:+ (PYTHON=$PYTHON)}. $python_needed"
     while IFS= read -r candidate; do
         status=0
-        lacks=$(bare "$candidate" interpreter 2> /dev/null) || status=$?
-        if ((status == 0)) || { ((status == 4)) && can_do_without "$lacks"; }; then
+        said=$(bare "$candidate" interpreter 2> /dev/null) || status=$?
+        if ((status == 0)) || { ((status == 4)) && can_do_without "$said"; }; then
             python=$candidate
             return
         elif ((status == 4)) && [[ -z $lacking ]]; then
-            python=$candidate lacking=$lacks
-            advice="$python lacks what set-up needs. Install it: sudo apt-get install -y $lacks"
-        elif ((status == 3)) && [[ -z $python ]]; then
-            python=$candidate
+            python=$candidate lacking=$said
+            advice="$python lacks what set-up needs."
+            cure="sudo apt-get install -y $lacking"
+        elif ((status == 3 || status == 5)) && [[ -z $lacking ]]; then
+            cure=$said
+            ((status == 5)) || python=${python:-$candidate}
         fi
     done < <(candidates)
     return 1
@@ -94,18 +96,18 @@ own_uv() {
 # ---- Checking
 
 check() {
-    local python advice state
+    local python advice cure state
     export PYTHONDONTWRITEBYTECODE=1
     state=$(venv_state)
     case $state in
         ready | foreign) python=$venv/bin/python ;;
-        *) choose_python || [[ -n $python ]] || no_python "$@" ;;
+        *) choose_python || [[ -n $python ]] || no_python "$cure" "$@" ;;
     esac
     exec "$python" -ESB -m course_kit.environment "$@" "$state"
 }
 
 no_python() {
-    only_failure Python "none of version 3.10 or newer${PYTHON:+ (PYTHON=$PYTHON)}" "$python_needed" "$apt_python" "$@"
+    only_failure Python "none of version 3.10 or newer${PYTHON:+ (PYTHON=$PYTHON)}" "$python_needed" "$@"
 }
 
 # The report where no Python can make it: a check's name, what was found, why it matters, the cure; then the arguments.
@@ -162,9 +164,9 @@ wait_for_other_set_up() {
 }
 
 make_venv() {
-    local python advice digest uv='' begun=$SECONDS
+    local python advice cure digest uv='' begun=$SECONDS
     unset PYTHONPATH PYTHONHOME PIP_USER PIP_TARGET PIP_PREFIX # they would send packages elsewhere
-    choose_python || die "$advice"
+    choose_python || die "$advice Cure: $cure"
     bare "$python" __main__ --before-set-up >&2 || exit 1
     : > "$log"
     say "Setting up the course in .venv with $python. It takes about a minute, and downloads 200 MB the first time."

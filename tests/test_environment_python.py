@@ -33,17 +33,42 @@ def jazzy(tmp_path) -> RosInstallation:
 
 @pytest.mark.parametrize(
     ("version", "status"),
-    [((3, 9, 18), "FAIL"), ((3, 10, 0), "PASS"), ((3, 13, 5), "PASS"), ((3, 14, 0), "FAIL"), ((2, 7, 18), "FAIL")],
+    [((3, 9, 18), "FAIL"), ((3, 10, 0), "PASS"), ((3, 14, 0), "PASS"), ((3, 15, 0), "FAIL"), ((2, 7, 18), "FAIL")],
 )
-def test_python_3_10_to_3_13_runs_the_wheels(version, status):
-    assert python.version(some_python(version), ros=None).status == status
+def test_python_3_10_to_3_14_runs_the_wheels(version, status):
+    assert python.version(some_python(version), ros=None, environ={}).status == status
+
+
+@pytest.mark.parametrize("version", [(3, 9, 18), (3, 15, 0)])
+def test_the_cure_of_a_python_that_does_not_fit_brings_one_that_does(version, tmp_path):
+    def cure(**variables: str) -> str:
+        return python.version(some_python(version), None, {"PATH": str(tmp_path), **variables}).cure
+
+    brings = "uv python install 3.14 && PYTHON=~/.local/bin/python3.14 ./environment-check.sh lab"
+    assert cure() == f"sudo apt-get install -y pipx && pipx run {brings}"
+    assert cure(PYTHON="/opt/other/python") == "unset PYTHON; ./environment-check.sh lab"
+    (tmp_path / "uv").touch(mode=0o755)
+    assert cure() == brings
 
 
 def test_beside_a_sourced_ros_only_its_own_python_will_do(jazzy):
-    assert python.version(some_python((3, 12, 3)), jazzy).status == "PASS"
-    check = python.version(some_python((3, 11, 7)), jazzy)
+    assert python.version(some_python((3, 12, 3)), jazzy, {}).status == "PASS"
+    check = python.version(some_python((3, 11, 7)), jazzy, {})
     assert check.status == "FAIL"
     assert jazzy.prefix in check.reason
+    assert "sudo apt-get install -y python3 " in check.cure
+
+
+def test_all_places_name_the_same_range_of_pythons():
+    (major, oldest), (_, newest) = interpreter.OLDEST, interpreter.NEWEST
+    said = f"Python {major}.{oldest} to {major}.{newest}"
+    assert (ROOT / "README.md").read_text().count(said) == 2
+    script = (ROOT / "environment-check.sh").read_text()
+    assert said in script
+    assert all(f" python{major}.{minor} " in script for minor in range(oldest, newest + 1))
+    project = (ROOT / "pyproject.toml").read_text()
+    assert f'requires-python = ">={major}.{oldest},<{major}.{newest + 1}"' in project
+    assert f"python_full_version < '{major}.{newest + 1}'" in project
 
 
 def test_a_missing_venv_module_fails_with_the_package_to_install_until_the_environment_is_made():

@@ -107,6 +107,29 @@ def test_a_python_that_is_not_there_is_named(course):
     assert not (course.root / ".venv").exists()
 
 
+@pytest.mark.parametrize("version", ["3, 9, 18", "3, 15, 0"])
+def test_a_python_that_is_too_old_or_too_new_is_refused_with_a_cure_that_brings_another(course, tmp_path, version):
+    program = f"import runpy, sys; sys.version_info = ({version}, 'final', 0); sys.argv = sys.argv[1:]; "
+    program += "runpy.run_module(sys.argv[0], run_name='__main__')"
+    python = tmp_path / "python3"
+    # -c and the program take the place of -m in `python -ESB -m module argument...`.
+    python.write_text(f'#!/bin/sh\nshift 2\nexec "{BASE_PYTHON}" -ESB -c "{program}" "$@"\n')
+    python.chmod(0o755)
+    environ = fresh_environ(PATH=without_python(tmp_path))
+    cure = "pipx run uv python install 3.14 && PYTHON=~/.local/bin/python3.14 ./environment-check.sh lab"
+    checked = course.run("--json", environ=environ)
+    assert checked.returncode == 1
+    (found,) = [check for check in json.loads(checked.stdout)["checks"] if check["name"] == "Python"]
+    assert found["status"] == "FAIL"
+    assert found["cure"].endswith(cure)
+    lab = course.run("lab", environ=environ)
+    assert lab.returncode == 1
+    assert lab.stderr.strip().endswith(cure)
+    assert not (course.root / ".venv").exists()
+    named = course.run("lab", environ=environ | {"PYTHON": str(python)})
+    assert "unset PYTHON" in named.stderr  # perhaps there is one that fits
+
+
 def test_a_python_that_does_not_run_is_passed_over_and_condas_comes_last(course, tmp_path):
     for name in ("conda", "plain", "commands"):
         (tmp_path / name).mkdir()

@@ -72,7 +72,7 @@ CHECKS: dict[str, Callable[[Subject], Check]] = {
     "architecture": lambda s: machine.architecture(platform.machine(), s.ros is not None),
     "memory": lambda s: machine.memory(*machine.available_memory()),
     "disk": lambda s: machine.disk(stamp.ROOT, s.ready),
-    "Python": lambda s: python.version(s.python, s.ros),
+    "Python": lambda s: python.version(s.python, s.ros, s.environ),
     "venv module": lambda s: python.venv_module(s.python, s.ready),
     "conda": lambda s: python.conda(s.environ),
     "PYTHONPATH": lambda s: python.python_path(s.environ),

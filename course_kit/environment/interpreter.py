@@ -2,8 +2,9 @@
 
 environment-check.sh runs this file with each Python it finds, so it must not need anything newer than 3.10:
 
-    python -m course_kit.environment.interpreter    exit status 0: fit; 3: another version is needed, but
-                                                    the checks run; 4: the packages printed have to be installed first
+    python -m course_kit.environment.interpreter    exit status 0: fit; 3: another version is needed, but the checks
+                                                    run; 4: the packages printed have to be installed first; 5: it is
+                                                    too old for the checks, too. With 3 and 5 it prints the cure.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import importlib.util
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -23,10 +25,11 @@ from typing import Any
 
 from course_kit.environment.activation import RosInstallation, has_package, sourced_ros
 
-OLDEST, NEWEST = (3, 10), (3, 13)  # the ROS 2 wheels exist for these
+OLDEST, NEWEST = (3, 10), (3, 14)  # the ROS 2 wheels exist for these
 INTERFACES = Path(__file__).resolve().parents[1] / "interfaces"
 KINDS = ("msg", "srv", "action")
-WRONG_VERSION, LACKS_PACKAGES = 3, 4
+WRONG_VERSION, LACKS_PACKAGES, TOO_OLD = 3, 4, 5
+SET_UP = "./environment-check.sh lab"
 TIMEOUT = 30.0
 
 
@@ -66,6 +69,20 @@ def interfaces_to_compile(ros: RosInstallation | None) -> list[str]:
 def apt_package(version: Sequence[int], part: str) -> str:
     """The apt package with a part of a Python that Debian ships apart: venv, dev."""
     return f"python{version[0]}.{version[1]}-{part}"
+
+
+def another_python(ros: RosInstallation | None, environ: Mapping[str, str]) -> str:
+    """Return the command that sets the course up with a Python that fits, where this one does not.
+
+    apt has one Python in each release. Where that is too old or too new, uv brings another, without root.
+    """
+    if environ.get("PYTHON"):
+        return f"unset PYTHON; {SET_UP}"  # which then looks for one that fits
+    if ros is not None:
+        return f"sudo apt-get install -y python3 python3-venv python3-dev && PYTHON=/usr/bin/python3 {SET_UP}"
+    newest = "{}.{}".format(*NEWEST)
+    uv = "uv" if shutil.which("uv", path=environ.get("PATH")) else "sudo apt-get install -y pipx && pipx run uv"
+    return f"{uv} python install {newest} && PYTHON=~/.local/bin/python{newest} {SET_UP}"
 
 
 def this_interpreter() -> Interpreter:
@@ -150,7 +167,8 @@ def main(arguments: Sequence[str]) -> int:
         return 0
     ros, python = sourced_ros(os.environ), this_interpreter()
     if not supported(python.version, ros):
-        return WRONG_VERSION if python.version >= OLDEST else 1
+        print(another_python(ros, os.environ))
+        return WRONG_VERSION if python.version >= OLDEST else TOO_OLD
     has = {"venv": python.has_venv, "dev": python.has_headers or not interfaces_to_compile(ros)}
     print(*(apt_package(python.version, part) for part in has if not has[part]))
     return 0 if all(has.values()) else LACKS_PACKAGES

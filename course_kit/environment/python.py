@@ -13,14 +13,15 @@ from course_kit.environment.compiler import of_the_machine
 from course_kit.environment.interpreter import (
     NEWEST,
     OLDEST,
+    SET_UP,
     Interpreter,
+    another_python,
     apt_package,
     interfaces_to_compile,
     supported,
 )
 from course_kit.environment.report import Check, fail, passed, warn
 
-SET_UP = "./environment-check.sh lab"
 RENEW = f"rm -rf .venv && {SET_UP}"
 NOT_SET_UP = warn("not set up yet", "it comes with the environment of the course", SET_UP)
 # Packages that the course brings; another copy on PYTHONPATH would be loaded instead of it.
@@ -40,16 +41,15 @@ def shown(path: str) -> str:
     return path.removeprefix(f"{stamp.ROOT}{os.sep}")
 
 
-def version(python: Interpreter, ros: RosInstallation | None) -> Check:
-    """Python 3.10 to 3.13, and with a sourced ROS 2 the one that ROS 2 is built for."""
+def version(python: Interpreter, ros: RosInstallation | None, environ: Mapping[str, str]) -> Check:
+    """Python 3.10 to 3.14, and with a sourced ROS 2 the one that ROS 2 is built for."""
     detail = f"{'.'.join(map(str, python.version))} ({shown(python.path)})"
     if supported(python.version, ros):
         return passed(detail)
+    reason = "the wheels of ROS 2 exist for Python {}.{} to {}.{}".format(*OLDEST, *NEWEST)
     if ros is not None:
         reason = f"the ROS 2 in {ros.prefix} is compiled for another Python, and rclpy loads in that one only"
-        return fail(detail, reason, f"PYTHON=/usr/bin/python3 {SET_UP}")
-    reason = "the wheels of ROS 2 exist for Python {}.{} to {}.{}".format(*OLDEST, *NEWEST)
-    return fail(detail, reason, f"name another, for example: PYTHON=/usr/bin/python3.12 {SET_UP}")
+    return fail(detail, reason, another_python(ros, environ))
 
 
 def set_up(state: str, python: Interpreter) -> Check:
