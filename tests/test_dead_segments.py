@@ -18,6 +18,7 @@ from course_kit.ending import watchdog
 from course_kit.ending.shared_memory import FOLDER
 from tests.benchmark.dead_segments import outcome
 from tests.programs.dead_segments import CASES, DEAD
+from tests.waiting import wait_until
 
 HEALED = 20.0  # seconds; a quiet machine needs less than 2, as the benchmark shows
 OLD = 5.0  # seconds: older than what may still be made
@@ -48,7 +49,7 @@ def test_a_storm_of_killed_processes_stops_nobody() -> None:
 
 @pytest.fixture
 def segment() -> Iterator[Path]:
-    """A file with a name as Fast DDS gives it, of a port that no domain has."""
+    """A file with a name as Fast DDS gives it, of a port that no domain has. Other processes heal too, by chance."""
     path = FOLDER / f"fastrtps_port{os.getpid() + 70_000}"
     yield path
     path.unlink(missing_ok=True)
@@ -62,27 +63,30 @@ def age(path: Path, seconds: float) -> None:
 def test_one_that_nobody_has_goes_at_once(kind: str, segment: Path) -> None:
     segment.write_bytes(DEAD[kind])
     age(segment, 0.5)
-    assert watchdog.heal() == 1
+    watchdog.heal()
     assert not segment.exists()
 
 
 @pytest.mark.parametrize("kind", DEAD)
 def test_who_waits_on_one_sees_that_it_is_corrupted(kind: str, segment: Path) -> None:
     segment.write_bytes(DEAD[kind])
-    age(segment, OLD)
     with open(segment, "rb") as waiting:
-        assert watchdog.heal() == 1
-        assert waiting.read(4) == b"\3\0\0\0"
+        age(segment, OLD)
+        watchdog.heal()
+        assert not segment.exists()
+        wait_until(lambda: os.pread(waiting.fileno(), 4, 0) == b"\3\0\0\0")  # it may be another process that heals
 
 
 def test_one_that_is_being_made_is_left(segment: Path) -> None:
-    """By a process that has it, and has begun a moment ago."""
-    segment.write_bytes(DEAD["zero"])
-    age(segment, 0.5)
-    with open(segment, "rb"):
-        assert watchdog.heal() == 0
-    age(segment, 0.0)  # or by one that cannot be seen, in a container
-    assert watchdog.heal() == 0
+    """By a process that has it, and has begun a moment ago; or by one that cannot be seen, in a container."""
+    with open(segment, "wb") as file:
+        file.write(DEAD["zero"])
+        file.flush()
+        age(segment, 0.5)
+        watchdog.heal()
+        assert segment.exists()
+        age(segment, 0.0)
+    watchdog.heal()
     assert segment.exists()
 
 
@@ -92,10 +96,10 @@ def test_one_whose_maker_may_stand_still_is_left(segment: Path) -> None:
         assert maker.stdout is not None and maker.stdout.readline()
         os.waitid(os.P_PID, maker.pid, os.WSTOPPED)
         age(segment, OLD)
-        healed = watchdog.heal()
+        watchdog.heal()
+        is_left = segment.exists()
         maker.kill()
-    assert healed == 0
-    assert segment.exists()
+    assert is_left
 
 
 def test_ready_ones_and_what_is_no_segment_are_left(segment: Path) -> None:
@@ -106,7 +110,7 @@ def test_ready_ones_and_what_is_no_segment_are_left(segment: Path) -> None:
         age(other, OLD)
     age(segment, OLD)
     try:
-        assert watchdog.heal() == 0
+        watchdog.heal()
         assert all(path.exists() for path in (segment, *others))
     finally:
         for other in others:
@@ -116,8 +120,8 @@ def test_ready_ones_and_what_is_no_segment_are_left(segment: Path) -> None:
 @as_root
 def test_one_of_another_user_is_left(segment: Path) -> None:
     segment.write_bytes(DEAD["zero"])
-    age(segment, OLD)
     os.chown(segment, 65534, 65534)
-    assert watchdog.heal() == 0
+    age(segment, OLD)
+    watchdog.heal()
     assert segment.exists()
     assert segment.read_bytes()[:4] == bytes(4)

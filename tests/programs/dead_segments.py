@@ -20,10 +20,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from course_kit.ending.shared_memory import FOLDER
+from course_kit.environment.user_domain import FLOWS_BELOW
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND
 
-FIRST_PORT = 7000  # of those that every context takes one of, whatever its domain
+FIRST_PORT = int(os.environ["COURSE_KIT_PORT_BASE"]) - FLOWS_BELOW  # of those that every context takes one of
 PORT_SIZE = 52_400  # bytes
 # A maker was killed before it gave its file a length, before it wrote the state, and before the state was "ready".
 DEAD = {"empty": b"", "zero": bytes(PORT_SIZE), "initializing": b"\1" + bytes(PORT_SIZE - 1)}
