@@ -29,13 +29,21 @@ def command_of(user: int, folder: Path, *command: str, environment: Mapping[str,
     return ["unshare", "-m", "sh", "-c", "\n".join([*steps, f"cd {folder}", f"exec {shlex.join(words)}"])]
 
 
+class Machine:
+    """A shared memory and a loopback interface that no other process of this machine has."""
+
+    def __init__(self, process: int) -> None:
+        self.prefix = ["nsenter", f"--target={process}", "--mount", "--net"]  # of a command line that runs there
+        self.shared_memory = Path(f"/proc/{process}/root/dev/shm")
+
+
 @contextlib.contextmanager
-def another_machine() -> Iterator[list[str]]:
-    """A shared memory and a loopback interface that no process of this machine has; how a command line there begins."""
+def another_machine() -> Iterator[Machine]:
+    """A machine without any process, until the block ends."""
     steps = ["set -e", "mount -t tmpfs -o mode=1777 tmpfs /dev/shm", "ip link set lo up", "echo ready", "read end"]
     command = ["unshare", "-m", "-n", "sh", "-c", "\n".join(steps)]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as machine:
-        assert machine.stdout is not None
-        assert machine.stdout.readline() == "ready\n"
-        yield ["nsenter", f"--target={machine.pid}", "--mount", "--net"]
-        machine.communicate("end\n", timeout=20)
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+        yield Machine(process.pid)
+        process.communicate("end\n", timeout=20)

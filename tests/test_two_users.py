@@ -134,13 +134,13 @@ def test_a_users_node_does_not_meet_the_locks_of_another_user(folder: Path, is_c
     for user in (ANN, BOB):
         own = {**environment, "HOME": f"{folder}/{user}"}
         nodes[user] = command_of(user, folder, sys.executable, "-c", NODE, environment=own)
-    with another_machine() as there:
+    with another_machine() as machine:
         pipe = subprocess.PIPE
-        with subprocess.Popen([*there, *nodes[ANN]], stdin=pipe, stdout=pipe, text=True) as anns:
+        with subprocess.Popen([*machine.prefix, *nodes[ANN]], stdin=pipe, stdout=pipe, text=True) as anns:
             assert anns.stdout is not None
             assert anns.stdout.readline() == "ready\n"
-            subprocess.run([*there, "sh", "-c", LOSE_PORTS], check=True, timeout=20)
-            bobs = subprocess.run([*there, *nodes[BOB]], input="", capture_output=True, text=True, timeout=60)
+            subprocess.run([*machine.prefix, "sh", "-c", LOSE_PORTS], check=True, timeout=20)
+            bobs = subprocess.run([*machine.prefix, *nodes[BOB]], input="", capture_output=True, text=True, timeout=60)
             anns.communicate("", timeout=30)
     printed = bobs.stdout + bobs.stderr
     assert printed.count("open_and_lock_file failed") == (0 if is_course else 2), printed

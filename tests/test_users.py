@@ -81,6 +81,26 @@ def test_killed_processes_hold_nothing() -> None:
             assert anns == 43
 
 
+def test_a_process_that_replaces_itself_as_those_with_wheels_do_holds_its_domain_on() -> None:
+    following = ["sh", "-c", "echo 43; read end"]
+    replace = f"[take(os.getuid()), hold_over_restart(), os.execv('/bin/sh', {following})]"
+    with process(ANN, user_domain.__file__, replace) as running:
+        assert told(running) == 43
+        with domain_of(BOB) as bobs:
+            assert bobs == 44
+
+
+def test_programs_do_not_inherit_the_lock_of_a_process_with_wheels() -> None:
+    code = """if True:
+        import os
+        print(os.environ.get("COURSE_KIT_LOCKS"), flush=True)
+        os.execv("/bin/ls", ["ls", "-l", "/proc/self/fd"])
+    """
+    done = subprocess.run([sys.executable, "-c", code], env={}, capture_output=True, text=True, timeout=30)
+    assert done.stdout.startswith("None\n"), done.stderr
+    assert "socket" not in done.stdout
+
+
 @pytest.mark.parametrize(
     ("module", "call"), [(user_domain, TAKE.format("")), (domains, RESERVE)], ids=["domain", "stage"]
 )

@@ -25,6 +25,7 @@ PROFILE_VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES
 DOMAIN_OF_USER = "COURSE_KIT_DOMAIN"  # the ROS_DOMAIN_ID that the user did not set
 # Set by the ROS wheels when they restarted Python with their libraries on LD_LIBRARY_PATH.
 RESTARTED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
+LOCKS = "COURSE_KIT_LOCKS"  # those of the user's domain, over that restart
 
 
 def has_package(prefix: str, name: str) -> bool:
@@ -99,6 +100,10 @@ def activate(prefix: str = sys.prefix, environ: MutableMapping[str, str] = os.en
         environ["ROS_DOMAIN_ID"] = environ[DOMAIN_OF_USER] = held
     # Also in a domain that the user has set: another user may have set the same.
     environ.update(user_domain.ports_of(held))
+    if LOCKS in environ:
+        user_domain.after_restart(environ.pop(LOCKS))
+    if RESTARTED not in environ and has_package(prefix, "rclpy"):
+        environ[LOCKS] = user_domain.hold_over_restart()
     # Without the check, which ROS 2 leaves out by default, an int in a float field arrives as garbage.
     environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
     own_profile = os.path.exists("DEFAULT_FASTRTPS_PROFILES.xml")

@@ -18,6 +18,8 @@ FLOWS_BELOW = 400  # the first port of a unique network flow is so far below Fas
 FLOWS = 40  # ports of a user for unique network flows; each context needs one
 SHARED_MEMORY, PORT_FILE = "/dev/shm", "fastrtps_port"
 
+_locks: dict[int, int] = {}  # the domains that this process holds, each with its socket's descriptor
+
 
 def take(uid: int, given: str | None = None) -> str:
     """The domain of this user, held for as long as this process lives; `given` is that of the process's parent.
@@ -32,6 +34,24 @@ def take(uid: int, given: str | None = None) -> str:
         return given
     ordered.sort(key=_left_by_others(uid).__contains__)
     return str(next(filter(_hold, [*_held_by(uid), *ordered]), first))
+
+
+def hold_over_restart() -> str:
+    """Hold the domain also while this process replaces itself; return the value for after_restart().
+
+    Else another user who starts at that moment takes the domain, and both have it.
+    """
+    for lock in _locks.values():
+        os.set_inheritable(lock, True)
+    return " ".join(map(str, [os.getpid(), *_locks.values()]))
+
+
+def after_restart(value: str) -> None:
+    """Let programs that this process starts not inherit the locks from before its restart."""
+    process, *locks = map(int, value.split())
+    if process == os.getpid():  # else the value is that of a parent
+        for lock in locks:
+            os.set_inheritable(lock, False)
 
 
 def ports_of(domain: str) -> dict[str, str]:
@@ -52,6 +72,8 @@ def ports_of(domain: str) -> dict[str, str]:
 
 def _hold(domain: int) -> bool:
     """Hold a domain together with the user's other processes; False if another user's hold it."""
+    if domain in _locks:
+        return True
     lock = _socket.socket(_socket.AF_INET, _socket.SOCK_DGRAM)
     try:
         lock.setsockopt(_socket.SOL_SOCKET, _socket.SO_REUSEPORT, 1)
@@ -59,7 +81,7 @@ def _hold(domain: int) -> bool:
     except (OSError, OverflowError):
         lock.close()
         return False
-    lock.detach()  # it stays open until the process ends
+    _locks[domain] = lock.detach()  # it stays open until the process ends
     return True
 
 

@@ -11,7 +11,9 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +45,9 @@ def rows(quick: bool) -> Iterator[Row]:
         print("users: left out, only root can be several users", file=sys.stderr)
         return
     seconds = 30.0 if quick else 120.0
-    found = {shared: lived(seconds, shared) for shared in (True, False)}
+    met: dict[bool, dict[str, set[int]]] = {True: {}, False: {}}
+    found = {shared: lived(seconds, shared, met[shared]) for shared in met}
+    ports = {shared: sum(len(owners) > 1 for owners in met[shared].values()) for shared in met}
     counts = {
         shared: {key: sum(len(one[key]) for one in all_of_them) for key in ("lost", "strangers", "complaints")}
         for shared, all_of_them in found.items()
@@ -51,14 +55,18 @@ def rows(quick: bool) -> Iterator[Row]:
     plain, course = counts[True], counts[False]
     rounds = {shared: sum(one["rounds"] for one in all_of_them) for shared, all_of_them in found.items()}
     yield at_least("8 users: rounds of a kernel, 4 verbs and a launch", "", rounds[False], len(USERS), rounds[True])
+    yield at_most("8 users: ports in shared memory that two users had", "", ports[False], 0, ports[True])
     yield at_most("8 users: errors of Fast DDS's shared memory", "lines", course["complaints"], 0, plain["complaints"])
     yield at_most("8 users: messages and nodes of one's own that were lost", "", course["lost"], 0, plain["lost"])
     yield at_most("8 users: nodes of strangers that were seen", "", course["strangers"], 0, plain["strangers"])
 
 
-def lived(seconds: float, shared: bool) -> list[dict[str, Any]]:
-    """What each user reports; with one port base for all of them, or each with their own."""
-    with tempfile.TemporaryDirectory(prefix="course-users-", dir="/tmp") as made, another_machine() as there:
+def lived(seconds: float, shared: bool, owners: dict[str, set[int]]) -> list[dict[str, Any]]:
+    """What each user reports; with one port base for all of them, or each with their own.
+
+    `owners` gets the users that each port in shared memory had.
+    """
+    with tempfile.TemporaryDirectory(prefix="course-users-", dir="/tmp") as made, another_machine() as machine:
         folder = Path(made)
         folder.chmod(0o755)
         (folder / "turtle.launch.py").write_text(LAUNCH)
@@ -74,11 +82,16 @@ def lived(seconds: float, shared: bool) -> list[dict[str, Any]]:
             os.chown(home, user, user)
             words = [sys.executable, "-m", PROGRAM, f"user_{user}", str(seconds), str(folder / "turtle.launch.py")]
             own = {**environment, "HOME": str(home), "TMPDIR": str(home)}
-            command = [*there, *command_of(user, folder, *words, environment=own)]
+            command = [*machine.prefix, *command_of(user, folder, *words, environment=own)]
             running.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
+        while any(process.poll() is None for process in running):
+            for port in machine.shared_memory.glob("fastrtps_port*"):
+                with suppress(OSError):  # it has gone
+                    owners.setdefault(port.name, set()).add(port.stat().st_uid)
+            time.sleep(0.1)
         reports = []
         for user, process in zip(USERS, running, strict=True):
-            printed, errors = process.communicate(timeout=seconds + 600)
+            printed, errors = process.communicate()
             if process.returncode:
                 raise RuntimeError(f"user {user} ended with {process.returncode}: {errors}")
             reports.append(json.loads(printed.splitlines()[-1]))
