@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from course_kit.environment import pins
 from course_kit.robot import shape
 from course_kit.robot.drive import Odometry, wheel_rates
 from course_kit.robot.model import GRIP
@@ -484,4 +485,4 @@ def test_where_it_has_no_room_it_is_not_put(place: Place, says: str) -> None:
 def test_mass_is_that_of_the_shape_and_mujoco_that_of_the_lock() -> None:
     physics = Physics(PLAIN, [ORIGIN])
     assert physics.model.body_mass.sum() == pytest.approx(shape.MASS)
-    assert mujoco.__version__ == "3.5.0"
+    assert any(pin.startswith(f"mujoco=={mujoco.__version__} ;") for pin in pins.versions(["mujoco"]))
