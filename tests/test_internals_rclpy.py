@@ -11,6 +11,7 @@ import pytest
 import rclpy
 from rclpy.action import ActionClient
 from rclpy.node import Node
+from rclpy.task import Future
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
@@ -259,3 +260,22 @@ def test_beside_another_release_the_first_cell_says_so_and_the_kernel_goes_on(tm
         assert kernel.text(kernel.run("print(len(nodes()))")) == "1\n"
     finally:
         kernel.close()
+
+
+def test_an_error_in_a_callback_leaves_nothing_of_the_executor_in_the_future_that_ends_it():
+    class Failing:
+        """Leaves its callback in the future when a callback of a node fails, as rclpy's EventsExecutor does."""
+
+        is_alive = True
+
+        def spin_until_future_complete(self, future: Future, timeout_sec: float) -> None:
+            future.add_done_callback(lambda _: calls.append(self.is_alive))
+            raise ValueError("of a callback")
+
+    calls: list[bool] = []
+    until, executor = Future(), Failing()
+    with pytest.raises(ValueError, match="of a callback"):
+        rclpy_parts.spin_some(executor, until)  # type: ignore[arg-type]
+    executor.is_alive = False
+    until.set_result(None)
+    assert False not in calls

@@ -125,7 +125,19 @@ def thread_count(executor: Executor) -> int:
 
 def spin_some(executor: Executor, until: Future) -> None:
     """Run callbacks: those of an EventsExecutor until the future is done, else one."""
-    if is_fast(executor):
-        executor.spin_until_future_complete(until, timeout_sec=EVENTS_TIMEOUT)
-    else:
+    if not is_fast(executor):
         executor.spin_once()
+        return
+    end = Future()  # of this spin only: see below
+
+    def pass_on(_: Future) -> None:
+        end.set_result(None)
+
+    until.add_done_callback(pass_on)
+    try:
+        executor.spin_until_future_complete(end, timeout_sec=EVENTS_TIMEOUT)
+    finally:
+        until.remove_done_callback(pass_on)
+        # An exception leaves a callback of the executor in the future. It is called now, while the executor lives:
+        # called later it would lock a mutex that is no more, and with Python 3.14 the process would stand still.
+        end.set_result(None)
