@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from course_kit.environment import check_environment, ros
+from course_kit.environment import check_environment, ros, user_domain
 from course_kit.environment.activation import RosInstallation
 from course_kit.environment.interpreter import Interpreter
 from course_kit.environment.ros import RoundTrip
@@ -21,6 +21,13 @@ def some_python(**facts) -> Interpreter:
     return Interpreter("/course/.venv/bin/python", (3, 12, 3), "/course/.venv", True, True, **facts)
 
 
+@pytest.fixture
+def unused(monkeypatch, tmp_path) -> None:
+    """No user has ports in shared memory, where those of other tests are."""
+    monkeypatch.setattr(user_domain, "SHARED_MEMORY", str(tmp_path))
+
+
+@pytest.mark.usefixtures("unused")
 @pytest.mark.parametrize(
     ("value", "status"),
     [
@@ -34,6 +41,7 @@ def test_domains_are_0_to_232_and_best_up_to_101(value, status):
     assert status == "PASS" or check.cure == "export ROS_DOMAIN_ID=1"
 
 
+@pytest.mark.usefixtures("unused")
 def test_without_a_domain_the_course_takes_one_for_the_user():
     check = ros.domain({}, uid=1041)
     assert (check.status, "uses 42" in check.detail) == ("PASS", True)
