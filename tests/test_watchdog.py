@@ -7,19 +7,21 @@ import subprocess
 import sys
 import time
 from multiprocessing import Pipe
+from pathlib import Path
 
 import pytest
 
 from course_kit.ending import watchdog
 from course_kit.examining.channel import Channel
 from tests.leftovers import made_by
-from tests.waiting import TIMEOUT
+from tests.waiting import TIMEOUT, wait_until
 
 # As rclpy in a deadlock of the middleware: in a native call, and no other thread of Python's runs.
 NEVER_RETURNS = """
 import ctypes, sys
 libc, mutex = ctypes.PyDLL(None), ctypes.create_string_buffer(64)
 def stuck():
+    print("held at", hex(ctypes.addressof(mutex)), file=sys.stderr, flush=True)
     libc.pthread_mutex_lock(mutex)
     libc.pthread_mutex_lock(mutex)
 """
@@ -61,17 +63,15 @@ from rclpy.node import Node
 from course_kit.turtlesim.program import spin
 def held():
     node = Node("held")
-    print("held", flush=True)
     stuck()
 spin("held", held, None)
 """,
-    "a program at work": NODE.format(work="print('held', flush=True); stuck()"),
+    "a program at work": NODE.format(work="stuck()"),
     "a verb": """
 from course_kit.ros2 import command
 from course_kit.ros2.session import Session
 def held(self):
     self.node
-    print("held", flush=True)
     stuck()
 Session.join = held
 command.main()
@@ -151,10 +151,11 @@ def test_the_checker() -> None:
 def test_a_signal_ends_what_a_native_call_holds(what: str, number: signal.Signals) -> None:
     """Also its shared memory is gone."""
     command = [sys.executable, "-c", NEVER_RETURNS + HELD[what], "topic", "list"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         try:
-            assert process.stdout is not None
-            assert any("held" in line for line in process.stdout)
+            assert process.stderr is not None
+            mutex = next(line for line in process.stderr if "held at" in line).split()[-1]
+            wait_until(lambda: mutex in Path(f"/proc/{process.pid}/syscall").read_text().split())
             left = made_by(process.pid)
             assert left
             began = time.monotonic()

@@ -177,7 +177,7 @@ def end(status: int) -> NoReturn:
     if "course_kit.spinning.context" in sys.modules:
         watchdog.end_in(watchdog.END_TIMEOUT, status)
         sys.modules["course_kit.spinning.context"].stop()
-    os._exit(status)
+    watchdog.end_now(status)
 
 
 if __name__ == "__main__":

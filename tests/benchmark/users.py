@@ -23,7 +23,7 @@ from tests.other_users import another_machine, command_of
 
 NOTE = (
     "users: eight ordinary users, four of whom prefer the domains of the other four, in kernels, `ros2` verbs and "
-    "launches at once; every other kernel is killed. Plain is the course's profile with Fast DDS's own port base."
+    "launches at once; every kernel is killed. Plain is the course's profile with Fast DDS's own port base."
 )
 USERS = (3040, 3041, 3042, 3043, 3140, 3141, 3142, 3143)
 PROGRAM = "tests.benchmark.programs.one_of_users"
