@@ -65,7 +65,7 @@ def heed_no_signals() -> None:
 def end_in(seconds: float, status: int) -> None:
     """End this process with exit status `status` in `seconds` seconds, sooner where a signal has set an earlier end.
 
-    What Python has buffered is not written then: flush first. The process's shared memory goes with it.
+    Python's buffers are not written then: flush first. The process's shared memory goes with it.
     """
     begin()
     _library().watchdog_end_in(seconds, status)

@@ -35,7 +35,7 @@ def rows(quick: bool) -> Iterator[Row]:
 
 
 def outcome(*words: str) -> Any:
-    """What a program prints as JSON in a shared memory of its own."""
+    """Run a program in a shared memory of its own; return the JSON that it prints."""
     command = in_own_shared_memory(sys.executable, "-m", *words)
     root = Path(__file__).parents[2]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, cwd=root).stdout)

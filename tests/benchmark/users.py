@@ -1,4 +1,4 @@
-"""Whether the users of one machine meet in shared memory: eight of them, who start and end ROS again and again.
+"""Eight users of one machine start and end ROS again and again: how often they meet in shared memory.
 
 Only root can be several users. They have a /dev/shm and a loopback interface of their own.
 """
@@ -62,7 +62,7 @@ def rows(quick: bool) -> Iterator[Row]:
 
 
 def lived(seconds: float, shared: bool, owners: dict[str, set[int]]) -> list[dict[str, Any]]:
-    """What each user reports; with one port base for all of them, or each with their own.
+    """Return each user's report; with one port base for all of them, or each with their own.
 
     `owners` gets the users that each port in shared memory had.
     """

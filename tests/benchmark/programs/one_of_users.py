@@ -22,7 +22,7 @@ CELL = "from rclpy.node import Node\nfrom course_kit import run, stop\nrun(Node,
 
 
 class User:
-    """What a user did and saw."""
+    """A user, with a record of all that was done and seen."""
 
     def __init__(self, name: str, launch_file: str) -> None:
         self.name = name
@@ -33,7 +33,7 @@ class User:
         self.printed: list[str] = []
 
     def ros2(self, *words: str) -> str:
-        """What a command prints to its end."""
+        """Run a command to its end; return its output."""
         try:
             done = subprocess.run(["ros2", *words], capture_output=True, text=True, timeout=TIMEOUT)
         except subprocess.TimeoutExpired as late:
