@@ -131,7 +131,7 @@ def test_nothing_of_a_kernel_is_left(how: str) -> None:
             os.kill(pid, SIGNALS[how])
         wait_until(lambda: none_left(pids), f"end of {pids}")
         if how == "properly":
-            wait_until(lambda: "hello" not in observer.get_node_names(), timeout=1.0)
+            wait_until(lambda: "hello" not in observer.get_node_names(), timeout=4.0)  # before its lease ends
         kernel.client.stop_channels()
         kernel.manager.shutdown_kernel(now=True)
     assert_gone(left, domain, how != "properly")
