@@ -7,8 +7,8 @@ usage="Usage: ./environment-check.sh [--json]            check this machine and 
        ./environment-check.sh lab [ARGUMENT...]   set up what is missing, then start JupyterLab
        ./environment-check.sh test [ARGUMENT...]  set up what is missing, then test the course
 
-Arguments after lab go to JupyterLab, those after test to pytest: none for all that matters (minutes),
---full for every proof, --changed for what the changes since upstream can break (two minutes).
+Arguments after lab go to JupyterLab, those after test to pytest: none for every kind of proof on few cases (8 minutes),
+--full for more of them (20), --all for everything (an hour), --changed for what a change can break (two minutes).
 PYTHON=/path/to/python3.12 chooses the Python that the set-up uses."
 
 # The installer: one version, and the hashes of its wheels for x86_64 and aarch64.
@@ -315,18 +315,20 @@ run_tests() {
     local python=$venv/bin/python failed=0 beside=() types
     unset PYTHONDONTWRITEBYTECODE # hundreds of processes would each compile all that they import
     # Most tests wait for ROS most of the time, so there are more of them at once than there are cores.
-    # Their groups begin in the order that tests/conftest.py gives, not by how many tests they have.
+    # Their groups begin in the order of tests/selection.py, not by how many tests they have.
     case ${1:-} in
-        '' | --full | --changed)
-            beside=(--numprocesses "$((2 * $(nproc)))" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
+        '' | --full | --all | --changed)
+            beside=(--numprocesses "$((3 * $(nproc)))" --maxprocesses 12 --dist loadgroup --no-loadscope-reorder)
             ;;
     esac
-    "$python" -m ruff check || failed=1
-    "$python" -m ruff format --check || failed=1
     mkdir -p build
     "$python" -m mypy > build/mypy.log 2>&1 &
     types=$!
     trap 'kill "$types" 2> /dev/null || true' EXIT
+    "$python" -m ruff check || failed=1
+    "$python" -m ruff format --check || failed=1
+    # Once here, or each of the processes beside each other compiles all tests.
+    ((${#beside[@]} == 0)) || "$python" -m pytest --collect-only --quiet > build/collected.log 2>&1 || true
     "$python" -m pytest "${beside[@]}" "$@" || failed=$?
     wait "$types" || { cat build/mypy.log >&2 && failed=1; }
     exit "$failed"

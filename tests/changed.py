@@ -1,4 +1,4 @@
-"""Which groups of tests a change can break: by what imports or names what was changed, the nearest first.
+"""Which groups of tests a change can break: by what imports or names what was changed.
 
 What runs in kernels and child processes is found by what the texts of their cells and command lines name.
 """
@@ -6,8 +6,7 @@ What runs in kernels and child processes is found by what the texts of their cel
 from __future__ import annotations
 
 import re
-import subprocess
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import grimp
@@ -17,8 +16,8 @@ import course_kit
 from course_kit import exercises
 from course_kit.ros2.command import COMMANDS
 from tests.exercises.chapter import group_of
+from tests.landings import ROOT, git
 
-ROOT = Path(__file__).parents[1]
 SOLUTIONS = "course_kit/solutions"
 PACKAGES = ("course_kit", "tests")
 NAMED = re.compile(r"\b(?:course_kit|tests)(?:\.\w+)+")
@@ -26,14 +25,13 @@ TAKEN = re.compile(r"from (course_kit[\w.]*) import ([\w, ]+)")
 ROS2_COMMAND = re.compile(rf"""\bros2\b[\s"',(\[*]+({"|".join(COMMANDS)})\b""")
 
 
-def changed_files() -> list[str]:
-    """What differs from where this branch left its upstream: commits, edits, new files; without upstream from HEAD."""
-    base = _git("merge-base", "HEAD", "@{upstream}") or ["HEAD"]
-    return [*_git("diff", "--name-only", *base), *_git("ls-files", "--others", "--exclude-standard")]
+def changed_files(base: str) -> list[str]:
+    """The files that differ from where this branch left a base, such as its upstream: commits, edits, new files.
 
-
-def _git(*words: str) -> list[str]:
-    return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True).stdout.splitlines()
+    Without such a base, those that differ from HEAD.
+    """
+    left = git("merge-base", "HEAD", base) or ["HEAD"]
+    return [*git("diff", "--name-only", *left), *git("ls-files", "--others", "--exclude-standard")]
 
 
 class Dependencies:
@@ -105,16 +103,15 @@ class Dependencies:
             return {group_of(path.stem), "tests.exercises.test_solutions"} & self.graph.modules
         return {name for name, text in self.texts.items() if path.name in text}
 
-    def distances(self, files: Iterable[str]) -> dict[str, int]:
-        """How many imports lie between a group of tests and what was changed, of the groups that depend on it."""
+    def distances(self, files: Iterable[str]) -> dict[str, int | None]:
+        """How many imports lie between each group of tests and what was changed; None for those that do not depend."""
         touched = {one for file in files for one in self.touched(file)}
-        found = {}
+        found: dict[str, int | None] = {}
         for group in self.groups:
             start = group if group in self.graph.modules else self._module(group)
             chains = [self.graph.find_shortest_chain(start, one) for one in touched - {start}]
             steps = [len(chain) - 1 for chain in chains if chain] + [0] * (start in touched)
-            if steps:
-                found[group] = min(steps)
+            found[group] = min(steps, default=None)
         return found
 
     def _module(self, group: str) -> str:
@@ -124,18 +121,3 @@ class Dependencies:
 def module_of(path: Path) -> str:
     """The name of a module by its file below the course's folder."""
     return ".".join(path.with_suffix("").parts).removesuffix(".__init__")
-
-
-def nearest(seconds: Callable[[str], float], limit: float, beside: int) -> tuple[list[str], list[str]]:
-    """The groups of tests that a change can break: those that fit into a limit of seconds, and the others.
-
-    So many groups run beside each other. One that takes longer than the limit is taken if none is nearer.
-    """
-    distances = Dependencies().distances(changed_files())
-    chosen: list[str] = []
-    left: list[str] = []
-    for group in sorted(distances, key=lambda one: (distances[one], seconds(one))):
-        is_short = seconds(group) <= limit or distances[group] == min(distances.values())
-        fits = is_short and sum(map(seconds, [*chosen, group])) <= limit * beside
-        (chosen if fits or not chosen else left).append(group)
-    return chosen, left

@@ -8,112 +8,24 @@ import json
 import os
 import signal
 from collections.abc import Iterator
+from dataclasses import asdict
 from typing import Any
 
 import pytest
 
 from tests import leftovers
 from tests.domains import give_back, own_domain, use_own_domain
+from tests.durations import Durations
+from tests.landings import PARTS, commit, landed, turn
+from tests.report import Report
 from tests.scheduling import GroupScheduling
+from tests.selection import TIERS, Candidate, Choice, Tier, choose
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
-GROUPS = "COURSE_KIT_TEST_GROUPS"  # those that are run, if not all
-# Seconds that groups of tests take on 2 cores, beside each other; others take SHORT ones.
-SECONDS = {
-    "exercises of workspace-5": 495,
-    "grading a class": 490,
-    "cheats 0": 400,
-    "cheats 1": 400,
-    "cheats 2": 400,
-    "bare bookworm": 484,
-    "bare noble": 484,
-    "bare trixie": 470,
-    "exercises of actions-5": 426,
-    "exercises of robot-9": 420,
-    "exercises of topics-4": 353,
-    "exercises of topics": 298,
-    "exercises of debugging-7": 282,
-    "06_debugging": 246,
-    "exercises of topics-1": 235,
-    "exercises of workspace-4": 233,
-    "test_faults_robot": 226,
-    "exercises of setup": 218,
-    "exercises of robot-8": 270,
-    "02_workspace": 198,
-    "exercises of actions": 194,
-    "exercises of debugging-3": 182,
-    "exercises of services-5": 166,
-    "exercises of workspace": 156,
-    "exercises of debugging": 155,
-    "exercises of workspace-2": 154,
-    "test_environment_setup": 150,
-    "exercises of debugging-2": 148,
-    "test_workspaces": 143,
-    "05_actions": 133,
-    "exercises of robot-4": 130,
-    "exercises of actions-4": 129,
-    "exercises of robot": 110,
-    "03_topics": 109,
-    "04_services": 106,
-    "07_robot": 130,
-    "exercises of services-2": 103,
-    "exercises of debugging-6": 101,
-    "exercises of actions-2": 97,
-    "test_cheat_sheet": 110,
-    "test_checker": 90,
-    "test_turtle_in_browser": 110,
-    "test_robot_in_browser": 120,
-    "test_browser_start": 80,
-    "exercises of services": 80,
-    "test_definitions": 79,
-    "test_environment_apt": 65,
-    "test_leftovers": 90,
-    "test_first_errors": 80,
-    "test_turtlesim_node": 57,
-    "test_ros2_bad_input": 58,
-    "test_ros2_echo_pub": 55,
-    "test_ros2_rates": 80,
-    "test_ros2_bag": 46,
-    "test_progress_bar": 70,
-    "test_form_in_browser": 60,
-    "test_consoles_in_browser": 45,
-    "test_navigation_nodes": 45,
-    "test_progress_in_browser": 45,
-    "test_views_leave_nothing": 25,
-    "test_browser": 43,
-    "01_setup_checks": 39,
-    "test_ros2_interrupt": 36,
-    "test_ros2_launch_end": 36,
-    "test_recording": 34,
-    "test_robot_view": 28,
-    "test_ros2_calls": 34,
-    "test_robot_node": 30,
-    "test_bad_input": 25,
-    "test_full_disk": 23,
-    "test_ros2_generated_input": 34,
-    "test_tf_tools": 35,
-    "test_graph_plots": 33,
-    "test_ros2_transcripts": 31,
-    "test_ros2_graph": 31,
-    "test_ros2_service_echo": 30,
-    "test_environment_failures": 31,
-    "test_discovery": 29,
-    "test_kernel": 29,
-    "test_replay": 28,
-    "test_bags": 28,
-    "test_processes": 27,
-    "test_chapter_packages": 25,
-    "test_watchdog": 25,
-    "test_ros2_children": 24,
-    "test_internals_rclpy": 23,
-    "test_overlay": 23,
-    "test_ros2_launch": 18,
-    "test_tf_ros": 16,
-}
-SHORT = 8
+TIER = "COURSE_KIT_TEST_TIER"  # for the workers, as JSON
+MINUTES = {"full": 17.0, "changed": 1.8}  # that the tests of a tier may take, without the start
 TIMEOUT = 120  # seconds of a test without a mark of its own
 STDERR = os.dup(2)  # which pytest replaces while it captures
-CHANGED_LIMIT = 110  # of the two minutes that --changed may take, without the start
 
 if not IS_WORKER:
     leftovers.begin()
@@ -127,22 +39,33 @@ if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN:  # so does `nohup` with SI
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--full", action="store_true", help="also what is marked slow, and each notebook twice")
-    parser.addoption("--changed", action="store_true", help="what changes since upstream can break, in two minutes")
+    tiers = parser.getgroup("tiers", "how much is run; see tests/selection.py")
+    for name, text in TIERS.items():
+        tiers.addoption(f"--{name}", dest="tier", action="store_const", const=name, default="", help=text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """With --changed, choose what is run."""
-    if config.getoption("changed") and not IS_WORKER:
-        from tests.changed import nearest
+    """Say to the workers how much is run, and measure and report it."""
+    if IS_WORKER:
+        return
+    tier = Tier(config.getoption("tier"))
+    if config.getoption("dist") == "loadgroup":
+        tier = of_whole_run(tier.name, config.getoption("numprocesses") or 1)
+        config.pluginmanager.register(Report())
+    os.environ[TIER] = json.dumps(asdict(tier))
 
-        beside = config.getoption("numprocesses", None) or 1
-        chosen, left = nearest(lambda group: SECONDS.get(group, SHORT), CHANGED_LIMIT, beside)
-        if not chosen:
+
+def of_whole_run(name: str, workers: int) -> Tier:
+    """How much a run of all folders has."""
+    distances: dict[str, int | None] = {}
+    if name in MINUTES:
+        from tests.changed import Dependencies, changed_files
+
+        distances = Dependencies().distances(changed_files("@{upstream}" if name == "changed" else landed()[-1]))
+        if name == "changed" and set(distances.values()) == {None}:
             pytest.exit("Nothing has changed that a test depends on.", returncode=0)
-        os.environ[GROUPS] = json.dumps(chosen)
-        print(f"Changes can break: {', '.join(chosen)}.")
-        print(f"Further away, and left to a run of all: {', '.join(left) or 'none'}.")
+    limit = MINUTES.get(name, 0.0) * 60
+    return Tier(name, turn(landed(), commit()), distances, limit * workers, limit)
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> GroupScheduling | None:
@@ -154,13 +77,6 @@ def group(item: pytest.Item) -> str:
     """Tests of a group run one after another, where tests run beside each other: its own, or that of its module."""
     mark = item.get_closest_marker("xdist_group")
     return str(mark.args[0]) if mark else item.path.stem
-
-
-def is_run(item: pytest.Item) -> bool:
-    """Whether a test belongs to what is asked for; the groups that a change can break are run whole."""
-    if GROUPS in os.environ:
-        return group(item) in json.loads(os.environ[GROUPS])
-    return bool(item.config.getoption("full")) or item.get_closest_marker("slow") is None
 
 
 @pytest.hookimpl(wrapper=True)
@@ -179,12 +95,37 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """What takes longest begins, so that the workers end together."""
-    config.hook.pytest_deselected(items=[item for item in items if not is_run(item)])
-    items[:] = sorted(filter(is_run, items), key=lambda item: -SECONDS.get(group(item), SHORT))
+    """Choose the tests of the run. Groups that take longest begin, so that the workers end together."""
+    tests = {item: as_test(item) for item in items}
+    tier = Tier(**json.loads(os.environ[TIER]))
+    choice = choose(list(tests.values()), tier, Durations.read())
+    chosen = {test for part in choice.chosen.values() for test in part}
+    order = {group: number for number, group in enumerate(choice.chosen)}
+    config.hook.pytest_deselected(items=[item for item in items if tests[item] not in chosen])
+    items[:] = sorted((item for item in items if tests[item] in chosen), key=lambda item: order[group(item)])
     for item in items:
         if item.get_closest_marker("xdist_group") is None:
             item.add_marker(pytest.mark.xdist_group(group(item)))
+    if hasattr(config, "workeroutput"):
+        config.workeroutput["left"] = told(choice, tier, len(tests))
+
+
+def as_test(item: pytest.Item) -> Candidate:
+    is_slow, is_by_turns = (item.get_closest_marker(name) is not None for name in ("slow", "by_turns"))
+    return Candidate(item.nodeid, group(item), item.path.stem, is_slow, is_by_turns)
+
+
+def told(choice: Choice, tier: Tier, count: int) -> list[str]:
+    """The lines that say what a run had and what it left."""
+    run = sum(map(len, choice.chosen.values()))
+    lines = [f"Run: {run} of {count} tests; commit {commit()[:7]} has turn {tier.turn} of 0 to {PARTS - 1}."]
+    if choice.slow:
+        lines.append(f"Left to --full and --all: {choice.slow} slow tests.")
+    if choice.other_turns:
+        lines.append(f"Left to other turns: {', '.join(choice.other_turns)}.")
+    if choice.beyond_limit:
+        lines.append(f"Near the change, but beyond the limit of time: {', '.join(choice.beyond_limit)}.")
+    return lines
 
 
 @pytest.hookimpl(trylast=True)

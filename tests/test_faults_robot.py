@@ -285,13 +285,13 @@ def test_a_check_can_ask_the_same_in_its_vocabulary(station: Station):
 
 
 def every_fault() -> Iterator[Any]:
-    """Their ids; further ones of a kind are slow."""
-    for name in all_faults.FAULTS:
+    """Their ids; further ones of a kind are slow. A part of them runs one after another."""
+    for number, name in enumerate(all_faults.FAULTS):
         slow = [] if name in OF_EACH_KIND else [pytest.mark.slow("the others of its kind are like it")]
-        yield pytest.param(name, marks=slow)
+        yield pytest.param(name, marks=[*slow, pytest.mark.xdist_group(f"faults of the robot {number % 3}")])
 
 
-@pytest.mark.parametrize("name", every_fault())
+@pytest.mark.parametrize("name", list(every_fault()))
 def test_fault(name: str, station: Station):
     fault = all_faults.find(name)
     assert fault.symptom in str(faults.start(name))

@@ -1,4 +1,4 @@
-"""Every notebook: its form, and that it runs top to bottom without network; with --full twice in one kernel."""
+"""Every notebook: its form, and that it runs top to bottom without network; in a slow run twice in one kernel."""
 
 from __future__ import annotations
 
@@ -56,17 +56,19 @@ def beside_each_other() -> Iterator[Any]:
         yield pytest.param(path, id=path.stem, marks=pytest.mark.xdist_group(path.stem))
 
 
+@pytest.mark.by_turns("a chapter each")
 @pytest.mark.parametrize("path", list(beside_each_other()))
 @pytest.mark.timeout(720)
 def test_runs_top_to_bottom_without_network(path, folder, request):
-    """With nbval, as a student runs it who has run no other; with --full once more in the same kernel, by a browser."""
+    """With nbval, as a student runs it who has run no other; in a slow run again in the same kernel, by a browser."""
     notebook = nbformat.read(path, as_version=4)
     count = sum(cell.cell_type == "code" for cell in notebook.cells)
     command, place = [*NBVAL, "-p", "tests.foreign_words", path.name], folder
-    if request.config.getoption("full") and CHROMIUM:
+    is_twice = request.config.getoption("tier") in ("full", "all")
+    if is_twice and CHROMIUM:
         command, place = [sys.executable, "-m", "tests.second_run", str(folder / path.name)], ROOT
         count += 1
-    elif request.config.getoption("full"):
+    elif is_twice:
         notebook.cells += [again(cell) for cell in notebook.cells]
         nbformat.write(notebook, folder / path.name)
         count *= 2

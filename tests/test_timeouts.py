@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.conftest import TIER
 
 ROOT = Path(__file__).parents[1]
 TESTS = """
@@ -38,7 +41,12 @@ def test_its_process_ends_and_the_next_test_has_another(how: str, tmp_path: Path
     (tmp_path / "test_it.py").write_text(text.replace("{how}", how))
     settings = f"-c {ROOT / 'pyproject.toml'} --rootdir {tmp_path} -p tests.conftest -p no:cacheprovider".split()
     command = [sys.executable, "-m", "pytest", *settings, "-n1", "--dist", "loadgroup", str(tmp_path / "test_it.py")]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=ROOT)
+    environ = {
+        **os.environ,
+        "PYTEST_XDIST_WORKER": "gw0",
+        TIER: '{"name": ""}',
+    }  # a run in a run, which reports nothing
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=ROOT, env=environ)
     assert "1 failed, 1 passed" in done.stdout, done.stdout + done.stderr
     assert f"in {how}" in done.stderr  # where it stood
     stopped, after = said.read_text().split(",")

@@ -28,17 +28,13 @@ LINE_END = "\n"
 MAGIC = re.compile(r"%%(\w+) ?(.*)\n((?:.|\n)*)")
 CELL_TIMEOUT = 240.0  # some build a package
 CHECK_TIMEOUT = 300.0
-# Their answers take minutes together.
-ALONE = (
-    *("workspace-2", "workspace-4", "workspace-5", "topics-1", "topics-4", "services-2", "services-5"),
-    *("actions-2", "actions-4", "actions-5", "debugging-2", "debugging-3", "debugging-6", "debugging-7"),
-    *("robot-4", "robot-8", "robot-9"),
-)
+TOGETHER = 10  # answers to an exercise, in one kernel: a minute or two
 
 
-def group_of(exercise: str) -> str:
-    """The tests that run one after another, in one kernel: those of a chapter, or of a long exercise."""
-    return f"exercises of {exercise if exercise in ALONE else exercise.rpartition('-')[0]}"
+def group_of(exercise: str, number: int = 0) -> str:
+    """The tests that run one after another, in one kernel: so many answers to an exercise; those of an answer."""
+    part = f", part {1 + number // TOGETHER}" if number >= TOGETHER else ""
+    return f"exercise {exercise}{part}"
 
 
 @dataclass(frozen=True)

@@ -21,45 +21,47 @@ def notebook_of() -> Iterator[Callable[[str], Chapter]]:
         opened: dict[str, Chapter] = {}
 
         def notebook(exercise: str) -> Chapter:
-            group = group_of(exercise)
-            if group not in opened:
+            if exercise not in opened:
                 stack.close()
                 opened.clear()
-                opened[group] = stack.enter_context(chapter(exercise.rpartition("-")[0]))
-            return opened[group]
+                opened[exercise] = stack.enter_context(chapter(exercise.rpartition("-")[0]))
+            return opened[exercise]
 
         yield notebook
 
 
 BUILDS = pytest.mark.slow("each answer builds a package")
+BY_TURNS = pytest.mark.by_turns("a kernel for each few exercises")
 FURTHER = pytest.mark.slow("the reference and the first wrong answer show that the check judges")
 
 
-def row(answers: Answers, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
+def row(answers: Answers, number: int, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
     """The parameters of one test; those of a group run one after another, in one kernel."""
-    marks = [pytest.mark.xdist_group(group_of(answers.exercise)), *marks]
+    marks = [pytest.mark.xdist_group(group_of(answers.exercise, number)), *marks]
     return pytest.param(answers, *values, id=id, marks=marks)
 
 
 def every_exercise() -> Iterator[Any]:
     for name in CHAPTERS:
         for answers in answers_to(name).ANSWERS:
-            yield row(answers, id=answers.exercise)
+            yield row(answers, 0, id=answers.exercise)
 
 
 def every_answer() -> Iterator[Any]:
     for name in CHAPTERS:
         for answers in answers_to(name).ANSWERS:
-            for wrong in answers.wrong:
+            further = [BUILDS] if name == "workspace" else [FURTHER]
+            yield row(answers, 0, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
+            for number, wrong in enumerate(answers.wrong):
                 values = wrong.source, wrong.points, wrong.hint
-                marks = [BUILDS] if name == "workspace" else [FURTHER] if wrong is not answers.wrong[0] else []
-                yield row(answers, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
-            for style, source in answers.right.items():
-                marks = [BUILDS] if name == "workspace" else [FURTHER]
-                yield row(answers, source, answers.points, "", id=f"{answers.exercise}-right_{style}", marks=marks)
-            yield row(answers, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
+                marks = [] if number == 0 and name != "workspace" else further
+                yield row(answers, number, *values, id=f"{answers.exercise}-{wrong.name}", marks=marks)
+            for number, (style, source) in enumerate(answers.right.items(), len(answers.wrong)):
+                values = source, answers.points, ""
+                yield row(answers, number, *values, id=f"{answers.exercise}-right_{style}", marks=further)
 
 
+@BY_TURNS
 @pytest.mark.parametrize("answers", list(every_exercise()))
 def test_untouched_is_not_begun(notebook_of: Callable[[str], Chapter], answers: Answers):
     notebook = notebook_of(answers.exercise)
@@ -68,6 +70,7 @@ def test_untouched_is_not_begun(notebook_of: Callable[[str], Chapter], answers: 
     assert shown == notebook.committed(answers.exercise)
 
 
+@BY_TURNS
 @pytest.mark.parametrize(("answers", "source", "points", "hint"), list(every_answer()))
 def test_answer(notebook_of: Callable[[str], Chapter], answers: Answers, source: str, points: int, hint: str):
     judge(notebook_of(answers.exercise).answer(answers.exercise, source), points, answers.points, hint)

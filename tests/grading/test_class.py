@@ -25,7 +25,7 @@ from tests.waiting import wait_until
 
 COURSE = [sys.executable, "-m", "course_kit.course_command"]
 SIZE = 60
-pytestmark = [pytest.mark.timeout(900), pytest.mark.xdist_group("grading a class")]
+pytestmark = pytest.mark.timeout(900)
 SLOW = pytest.mark.slow("grades a student after the other")
 
 
@@ -40,8 +40,13 @@ def rows(out: Path) -> dict[str, dict[str, str]]:
         return {row["student"]: row for row in csv.DictReader(file)}
 
 
+def of_each_format() -> Iterator[object]:
+    for form in FORMATS:
+        yield pytest.param(form, marks=pytest.mark.xdist_group(f"class of sixty {form}"))
+
+
 @SLOW
-@pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.parametrize("form", list(of_each_format()))
 def test_a_class_of_sixty_gets_the_expected_points(form: str, tmp_path: Path):
     """Ten of them in each format."""
     part = list(students(SIZE))[FORMATS.index(form) * 10 :][:10]

@@ -136,7 +136,6 @@ for number in range(3):
 
 
 @pytest.mark.timeout(200)
-@pytest.mark.xdist_group("grading a class")
 def test_plain_nbval_sees_the_same_verdicts(tmp_path: Path):
     """An instructor who runs `pytest --nbval` on a rebuilt notebook, without the grader."""
     wrong = next(a for a in answers_to("services").ANSWERS if a.exercise == "services-4").wrong[0]

@@ -1,0 +1,64 @@
+"""The turns of the long tests: five landings in a row run all parts, in an order that nobody chooses.
+
+.ci/landed has the commit of each landing, the oldest first. The first commit behind a landing adds it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import subprocess
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+LANDED = ROOT / ".ci/landed"
+PARTS = 5
+NO_COMMIT = "0"  # of a copy of the course that is no git repository
+
+
+def git(*words: str) -> list[str]:
+    """The lines that git prints; none where it fails."""
+    return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True).stdout.splitlines()
+
+
+def landed() -> list[str]:
+    """The commits of the landings, the oldest first."""
+    return LANDED.read_text().split()
+
+
+def commit() -> str:
+    """The commit whose turn is drawn: HEAD."""
+    return next(iter(git("rev-parse", "HEAD")), NO_COMMIT)
+
+
+def turn(landings: Sequence[str], commit: str) -> int:
+    """The part whose turn it is at a commit behind these landings.
+
+    The commit's hash draws it from those that the landings of the same round of five have left.
+    """
+    left = list(range(PARTS))
+    for each in landings[len(landings) // PARTS * PARTS :]:
+        left.remove(_drawn(left, each))
+    return _drawn(left, commit)
+
+
+def _drawn(left: Sequence[int], commit: str) -> int:
+    return left[int(commit, 16) % len(left)]
+
+
+def parts(groups: Mapping[str, str]) -> dict[str, int]:
+    """The part of each group of tests; `groups` has their modules.
+
+    Those of a module are dealt to the parts evenly, by their names alone.
+    """
+    dealt = Counter[str]()
+    found = {}
+    for group, module in sorted(groups.items(), key=lambda each: _number(each[0])):
+        found[group] = (_number(module) + dealt[module]) % PARTS
+        dealt[module] += 1
+    return found
+
+
+def _number(name: str) -> int:
+    return int(hashlib.sha256(name.encode()).hexdigest(), 16)

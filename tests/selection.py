@@ -1,0 +1,109 @@
+"""Which tests a run has: every kind of proof on few cases, or more of them, or all.
+
+| tier        | ordinary | by_turns        | slow            | near the change       |
+|-------------|----------|-----------------|-----------------|-----------------------|
+| (none)      | yes      | whose turn it is| no              | no                    |
+| --full      | yes      | whose turn it is| whose turn it is| whole, up to a limit  |
+| --all       | yes      | yes             | yes             | yes                   |
+| --changed   | no       | no              | no              | whole, up to a limit  |
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from tests.durations import Durations
+from tests.landings import parts
+
+TIERS = {
+    "full": "every kind: all cases where the change since the last landing is, of the rest those whose turn it is",
+    "all": "everything",
+    "changed": "what the changes since upstream can break, for two minutes",
+}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A test as the choice sees it."""
+
+    name: str
+    group: str
+    module: str
+    is_slow: bool = False
+    is_by_turns: bool = False
+
+
+@dataclass(frozen=True)
+class Tier:
+    """How much a run has: of which part it is the turn, what is near the change, how many seconds that may take."""
+
+    name: str  # "", "full", "all" or "changed"
+    turn: int | None = None  # None: it is every part's
+    distances: Mapping[str, int | None] = field(default_factory=dict)  # of groups or modules; None: cannot break
+    limit: float = 0.0  # seconds of all tests, one after another
+    longest: float = 0.0  # seconds of a group, unless it is among the nearest
+
+    def distance(self, group: Sequence[Candidate]) -> int | None:
+        """How many imports lie between a group of tests and the change; None if it cannot break the group."""
+        name, _, _ = group[0].group.partition(", part ")
+        return self.distances.get(name, self.distances.get(group[0].module))
+
+
+@dataclass
+class Choice:
+    """The groups of a run, the longest first, and what is left to another one."""
+
+    chosen: dict[str, list[Candidate]] = field(default_factory=dict)
+    other_turns: list[str] = field(default_factory=list)  # groups of which tests are left to another turn
+    beyond_limit: list[str] = field(default_factory=list)  # groups near the change that did not fit
+    slow: int = 0  # tests that are left to --full
+    seconds: float = 0.0  # that its tests take, one after another
+
+
+def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choice:
+    """Choose the tests of a run: those of its tier, then groups near the change as long as they fit."""
+    groups: dict[str, list[Candidate]] = defaultdict(list)
+    for test in tests:
+        groups[test.group].append(test)
+
+    def seconds(group: str, part: Sequence[Candidate]) -> float:
+        return durations.of(group, [test.name for test in part]) if part else 0.0
+
+    its_part = parts({group: part[0].module for group, part in groups.items()})
+    chosen = {group: [test for test in part if _is_of(tier, test, its_part[group])] for group, part in groups.items()}
+    more = {group: seconds(group, part) - seconds(group, chosen[group]) for group, part in groups.items()}
+    spent = sum(seconds(group, part) for group, part in chosen.items())
+    distances = {group: found for group, part in groups.items() if (found := tier.distance(part)) is not None}
+    choice = Choice()
+    for group in sorted(distances, key=lambda group: (distances[group], more[group])):
+        is_short = more[group] <= tier.longest or distances[group] == min(distances.values())
+        if is_short and (spent + more[group] <= tier.limit or not spent):
+            chosen[group] = groups[group]
+            spent += more[group]
+        elif more[group]:
+            choice.beyond_limit.append(group)
+    longest_first = sorted(chosen, key=lambda group: -seconds(group, chosen[group]))
+    choice.chosen = {group: chosen[group] for group in longest_first if chosen[group]}
+    left = {test for part in groups.values() for test in part} - {test for part in chosen.values() for test in part}
+    choice.seconds = spent
+    if tier.name == "changed":
+        return choice
+    choice.slow = sum(test.is_slow for test in left) if tier.name == "" else 0
+    choice.other_turns = sorted({test.group for test in left if tier.name == "full" or not test.is_slow})
+    return choice
+
+
+def _is_of(tier: Tier, test: Candidate, part: int) -> bool:
+    """Whether a test of a part is of a tier, wherever the change is."""
+    is_its_turn = tier.turn in (None, part)
+    match tier.name:
+        case "all":
+            return True
+        case "full":
+            return is_its_turn or not (test.is_slow or test.is_by_turns)
+        case "changed":
+            return False
+        case _:
+            return not test.is_slow and (is_its_turn or not test.is_by_turns)

@@ -1,0 +1,130 @@
+"""Which tests a run has: the tiers, the turns, the groups near a change, and what is left."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests import durations, landings
+from tests.durations import Durations, Measured
+from tests.landings import PARTS, parts, turn
+from tests.selection import Candidate, Tier, choose
+
+TESTS = [
+    *(Candidate(f"quick[{number}]", "quick", "test_quick") for number in range(3)),
+    *(
+        Candidate(f"solved[{number}]", "solved", "test_answers", is_slow=number > 0, is_by_turns=True)
+        for number in range(3)
+    ),
+    *(Candidate(f"bare[{number}]", "bare", "test_fresh", is_slow=True) for number in range(2)),
+]
+PART = parts({test.group: test.module for test in TESTS})
+TURN = PART["solved"]
+OTHER = next(part for part in range(PARTS) if part not in PART.values())
+SECONDS = Durations(
+    {
+        "quick": {"fixtures": 1.0, "others": 2.0},
+        "solved": {"fixtures": 10.0, "others": 5.0},
+        "bare": {"fixtures": 30.0, "others": 20.0},
+    }
+)
+
+
+def run(tier: Tier) -> tuple[dict[str, int], Sequence[str], Sequence[str]]:
+    """How many tests of each group are run, and what is left to other turns and beyond the limit."""
+    choice = choose(TESTS, tier, SECONDS)
+    return {group: len(part) for group, part in choice.chosen.items()}, choice.other_turns, choice.beyond_limit
+
+
+@pytest.mark.parametrize(
+    ("tier", "groups", "other_turns"),
+    [
+        (Tier("", TURN), {"solved": 1, "quick": 3}, []),
+        (Tier("", OTHER), {"quick": 3}, ["solved"]),
+        (Tier(""), {"solved": 1, "quick": 3}, []),  # of a folder that somebody names
+        (Tier("full", TURN), {"solved": 3, "quick": 3}, ["bare"]),
+        (Tier("full", PART["bare"]), {"bare": 2, "quick": 3}, ["solved"]),
+        (Tier("all"), {"bare": 2, "solved": 3, "quick": 3}, []),
+    ],
+)
+def test_a_tier_has_its_tests_the_longest_group_first(tier: Tier, groups: dict[str, int], other_turns) -> None:
+    assert PART["bare"] != TURN
+    assert run(tier) == (groups, other_turns, [])
+    assert list(run(tier)[0]) == list(groups)
+
+
+def test_a_run_says_how_many_slow_tests_it_leaves() -> None:
+    assert choose(TESTS, Tier("", TURN), SECONDS).slow == 4
+    assert choose(TESTS, Tier("full", TURN), SECONDS).slow == 0
+
+
+@pytest.mark.parametrize(
+    ("distances", "limit", "groups", "beyond"),
+    [
+        ({"bare": 0}, 200.0, {"quick": 3, "bare": 2}, []),
+        ({"test_fresh": 0}, 200.0, {"quick": 3, "bare": 2}, []),  # a group without imports of its own has its module's
+        ({"bare": None}, 200.0, {"quick": 3}, []),
+        ({"solved": 1, "bare": 0}, 200.0, {"quick": 3, "bare": 2, "solved": 3}, []),
+        ({"solved": 1, "bare": 0}, 80.0, {"quick": 3, "bare": 2}, ["solved"]),  # the nearest is taken first
+        ({"solved": 0, "bare": 0}, 80.0, {"quick": 3, "solved": 3}, ["bare"]),  # of those as near the shorter one
+    ],
+)
+def test_groups_near_the_change_are_whole_as_long_as_they_fit(distances, limit, groups, beyond) -> None:
+    tier = Tier("full", OTHER, distances, limit, limit)
+    assert run(tier)[0] == groups
+    assert run(tier)[2] == beyond
+
+
+def test_changed_has_the_nearest_group_however_long_it_takes() -> None:
+    assert run(Tier("changed", None, {"bare": 2, "solved": 3}, 20.0, 10.0)) == ({"bare": 2}, [], ["solved"])
+    assert run(Tier("changed", None, {"bare": 2, "solved": 3}, 200.0, 10.0))[2] == ["solved"]  # too long a group
+
+
+def test_five_landings_have_all_parts_and_the_commits_draw_their_order() -> None:
+    commits = [hashlib.sha1(str(number).encode()).hexdigest() for number in range(50)]
+    turns = [turn(commits[:number], commit) for number, commit in enumerate(commits)]
+    rounds = [turns[start : start + PARTS] for start in range(0, len(turns), PARTS)]
+    assert all(sorted(one) == list(range(PARTS)) for one in rounds)
+    assert len(set(map(tuple, rounds))) > 5
+
+
+def test_the_groups_of_a_module_are_dealt_to_the_parts_evenly() -> None:
+    dealt = Counter(parts({f"answers {number}": "test_answers" for number in range(23)}).values())
+    assert sorted(dealt.values()) == [4, 4, 5, 5, 5]
+    single = parts({f"group {number}": f"module {number}" for number in range(50)})
+    assert set(single.values()) == set(range(PARTS))
+
+
+def test_the_landings_are_commits_of_this_repository() -> None:
+    found = landings.landed()
+    assert all(len(commit) == 40 and int(commit, 16) for commit in found)
+    if landings.commit() == landings.NO_COMMIT:
+        pytest.skip("this copy of the course is no git repository")
+    assert landings.git("merge-base", "HEAD", found[-1]) == [found[-1]]
+
+
+def test_a_run_keeps_what_it_measured_over_what_was_known(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(durations, "KEPT", tmp_path / "kept.json")
+    monkeypatch.setattr(durations, "MEASURED", tmp_path / "build/measured.json")
+    durations.write({"a": {"fixtures": 3.0, "long": 9.0, "not run": 5.0}, "b": {"others": 1.0}}, durations.KEPT)
+    measured = Measured()
+    for test, seconds in [("fixtures", 1.0), ("fixtures", 1.0), ("long", 7.0), ("short", 0.2), ("shorter", 0.1)]:
+        measured.add("a", test, seconds)
+    measured.add("c", "long", 80.0)
+    assert [group for group, _ in measured.groups()] == ["c", "a"]
+    measured.keep()
+    assert json.loads(durations.MEASURED.read_text())["a"] == {
+        "fixtures": 2.0,
+        "long": 7.0,
+        "not run": 5.0,
+        "others": 0.15,
+    }
+    read = Durations.read()
+    assert read.of("a", ["long", "short", "never run"]) == pytest.approx(2.0 + 7.0 + 2 * 0.15)
+    assert read.of("b", ["any"]) == 1.0
+    assert read.of("unknown", ["any", "other"]) == 2 * durations.UNKNOWN
