@@ -49,9 +49,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if IS_WORKER:
         return
     tier = Tier(config.getoption("tier"))
-    if config.getoption("dist") == "loadgroup":
+    is_whole = config.getoption("dist") == "loadgroup"
+    if is_whole:
         tier = of_whole_run(tier.name, config.getoption("numprocesses") or 1)
-        config.pluginmanager.register(Report())
+    config.pluginmanager.register(Report(is_whole))
     os.environ[TIER] = json.dumps(asdict(tier))
 
 
@@ -111,8 +112,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def as_test(item: pytest.Item) -> Candidate:
-    is_slow, is_by_turns = (item.get_closest_marker(name) is not None for name in ("slow", "by_turns"))
-    return Candidate(item.nodeid, group(item), item.path.stem, is_slow, is_by_turns)
+    by_turns = item.get_closest_marker("by_turns")
+    of = by_turns.kwargs.get("of", "group") if by_turns else ""
+    return Candidate(item.nodeid, group(item), item.path.stem, item.get_closest_marker("slow") is not None, of)
 
 
 def told(choice: Choice, tier: Tier, count: int) -> list[str]:

@@ -44,6 +44,11 @@ def _read(path: Path) -> Seconds:
     return dict(json.loads(path.read_text())) if path.exists() else {}
 
 
+def function_of(test: str) -> str:
+    """The name of a test's function, which its cases share."""
+    return test.partition("[")[0]
+
+
 class Measured:
     """The durations of one run, test by test."""
 

@@ -11,11 +11,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from tests.durations import Durations
-from tests.landings import parts
+from tests.durations import Durations, function_of
+from tests.landings import PARTS, part_of
 
 TIERS = {
     "full": "every kind: all cases where the change since the last landing is, of the rest those whose turn it is",
@@ -32,7 +32,12 @@ class Candidate:
     group: str
     module: str
     is_slow: bool = False
-    is_by_turns: bool = False
+    by_turns: str = ""  # "group" or "cases": a run has the groups, or of each function the cases, whose turn it is
+
+    @property
+    def part(self) -> int:
+        """The part of the tests that it belongs to."""
+        return part_of(self.name if self.by_turns == "cases" else self.group)
 
 
 @dataclass(frozen=True)
@@ -71,8 +76,8 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
     def seconds(group: str, part: Sequence[Candidate]) -> float:
         return durations.of(group, [test.name for test in part]) if part else 0.0
 
-    its_part = parts({group: part[0].module for group, part in groups.items()})
-    chosen = {group: [test for test in part if _is_of(tier, test, its_part[group])] for group, part in groups.items()}
+    of_tier = {test for test in tests if _is_of(tier, test)} | set(_first_cases(tests, tier))
+    chosen = {group: [test for test in part if test in of_tier] for group, part in groups.items()}
     more = {group: seconds(group, part) - seconds(group, chosen[group]) for group, part in groups.items()}
     spent = sum(seconds(group, part) for group, part in chosen.items())
     distances = {group: found for group, part in groups.items() if (found := tier.distance(part)) is not None}
@@ -95,15 +100,27 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
     return choice
 
 
-def _is_of(tier: Tier, test: Candidate, part: int) -> bool:
-    """Whether a test of a part is of a tier, wherever the change is."""
-    is_its_turn = tier.turn in (None, part)
+def _is_of(tier: Tier, test: Candidate) -> bool:
+    """Whether a test is of a tier, wherever the change is."""
+    is_its_turn = tier.turn in (None, test.part)
     match tier.name:
         case "all":
             return True
         case "full":
-            return is_its_turn or not (test.is_slow or test.is_by_turns)
+            return is_its_turn or not (test.is_slow or test.by_turns)
         case "changed":
             return False
         case _:
-            return not test.is_slow and (is_its_turn or not test.is_by_turns)
+            return not test.is_slow and (is_its_turn or not test.by_turns)
+
+
+def _first_cases(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candidate]:
+    """Of each function whose cases take turns one, which is that of the turn if there is one."""
+    if tier.turn is None or tier.name == "changed":
+        return
+    turn, cases = tier.turn, defaultdict(list)
+    for test in tests:
+        if test.by_turns == "cases" and not test.is_slow:
+            cases[function_of(test.name)].append(test)
+    for part in cases.values():
+        yield min(part, key=lambda test: (test.part - turn) % PARTS)

@@ -22,6 +22,8 @@ from course_kit.spinning import context
 from tests.senders import DIGITS, PLACES, Sender
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 STORAGES = ("mcap", "sqlite3")
 SECOND = 10**9
 

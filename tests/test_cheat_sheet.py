@@ -24,7 +24,10 @@ from tests.domains import own_domain
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.timeout(120)
+pytestmark = [
+    pytest.mark.timeout(120),
+    pytest.mark.by_turns("a program or a cell for each", of="cases"),
+]
 PATIENCE = 60.0  # seconds for one command, on a busy machine
 NOT_RUN = {
     "ros2 run rqt_graph rqt_graph": "it opens a window, and PyPI has no rqt",

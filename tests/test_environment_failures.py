@@ -21,6 +21,8 @@ from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy, fresh_environ
 from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 UV = next(iter(ROOT.glob("build/uv-*/bin/uv")), None) or shutil.which("uv")
 STORE = "/etc/ssl/certs/ca-certificates.crt"
 OF_THE_NETWORK = ("_PROXY", "_proxy", "SSL_CERT_", "_CA_BUNDLE", "PIP_", "UV_")

@@ -10,6 +10,8 @@ import pytest
 from tests.first_errors import CASES, SET_UP, Case
 from tests.kernel import Kernel, kernel_after
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 # What a check would be told of the class X: as its own process orders it, with the notebook's side in this kernel.
 CHECKING = """
 from course_kit.examining import answer_host

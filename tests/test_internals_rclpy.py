@@ -21,6 +21,8 @@ from course_kit.spinning import context
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 WITH_A_TALKER = """
 import sys
 import rclpy, rclpy.action.server, rclpy.experimental

@@ -30,6 +30,8 @@ from tests.ros2_launches import none_left
 from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 PROGRAMS = {
     "a program": ("run", "turtlesim", "turtlesim_node"),
     "a verb": ("topic", "pub", "/chatter", "std_msgs/msg/String", "data: hello"),

@@ -50,7 +50,10 @@ from course_kit.robot.worlds import world
 from tests.crossing import errors, rightness, true_map
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.usefixtures("fresh_domain")
+pytestmark = [
+    pytest.mark.usefixtures("fresh_domain"),
+    pytest.mark.by_turns("nodes that drive for minutes"),
+]
 
 FACTOR, PATIENCE = 4.0, 60.0
 LONG = 90.0  # seconds of real time for a journey: on an idle machine it takes a tenth

@@ -18,6 +18,8 @@ from course_kit.colcon.colcon_output import queued
 from course_kit.long_tasks import LongTask, long_task
 from tests.kernel import Kernel, Message
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 SET_UP = (
     "import time\nfrom course_kit import bags, record, run, wait_for\nfrom course_kit.long_tasks import long_task\n"
     "from rclpy.node import Node\nfrom std_msgs.msg import String\n"

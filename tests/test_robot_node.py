@@ -37,7 +37,10 @@ from course_kit.robot.simulation import TICK_NS
 from course_kit.robot.world import Wall, World
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.usefixtures("fresh_domain")
+pytestmark = [
+    pytest.mark.usefixtures("fresh_domain"),
+    pytest.mark.by_turns("many nodes and programs"),
+]
 
 BOX = World(
     "box",

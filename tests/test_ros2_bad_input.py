@@ -22,6 +22,8 @@ from tests.ros2_bad_calls import CALLS
 from tests.ros2_bad_calls.call import FILES, FOLDERS, NO_TEXT, Bad
 from tests.ros2_command import COMMAND
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 TIMEOUT = 10.0  # seconds for a call; most need a tenth
 MOST = 4000  # characters of output
 INNER = re.compile(r"Traceback|\b\w+(Error|Exception)\b(?!s)|<class |NoneType|not supported between")

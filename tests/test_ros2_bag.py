@@ -31,6 +31,8 @@ from tests.senders import DIGITS, PLACES, Sender
 from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 SECOND = 10**9
 TIMEOUT = 30.0
 STORAGES = ("mcap", "sqlite3")

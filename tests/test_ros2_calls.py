@@ -18,6 +18,8 @@ from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 from tests.waiting import TIMEOUT
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 INTERRUPTED = 2
 ADD, TRIGGER = "example_interfaces/srv/AddTwoInts", "std_srvs/srv/Trigger"
 FIBONACCI = "example_interfaces/action/Fibonacci"

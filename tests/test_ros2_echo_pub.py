@@ -25,6 +25,8 @@ from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 INTERRUPTED = 2
 INVALID = "The passed message type is invalid\n"
 TEN = "invalid literal for int() with base 10: 'ten'"

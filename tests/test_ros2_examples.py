@@ -24,6 +24,8 @@ from course_kit.turtlesim import Laser, TurtleSim
 from tests.terminal import CTRL_C, Terminal
 from tests.test_ros2_help import parser_of, parsers_below
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 # What those that go on write, until Ctrl-C.
 GOING_ON = {
     "bag record": "Subscribed to topic '/turtle1/pose'",

@@ -17,6 +17,8 @@ from tests.domains import own_domain
 from tests.ros2_command import ros2
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 PROCESSES, NODES = 5, 4
 NAMES = [f"/robot_{process}_{node}" for process in range(PROCESSES) for node in range(NODES)]
 PARAMETER_SERVICES = (

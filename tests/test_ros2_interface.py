@@ -15,6 +15,8 @@ from course_kit.ros2.command import run
 from course_kit.ros2.interface import interface, text
 from course_kit.ros2.line_completion import complete
 
+pytestmark = pytest.mark.by_turns("hundreds of types", of="cases")
+
 TRANSCRIPTS = Path(__file__).with_name("ros2_transcripts")
 MODES = {(): (True, False), ("--all-comments",): (True, True), ("--no-comments",): (False, False)}
 

@@ -32,6 +32,8 @@ from tests.ros2_launches import Prefix
 from tests.waiting import TIMEOUT
 from tests.waiting import wait_until as wait_for
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 WITHIN = 2.0  # seconds
 STRING = "std_msgs/msg/String"
 TRIGGER = "std_srvs/srv/Trigger"

@@ -9,6 +9,8 @@ import pytest
 
 from tests.ros2_launches import Prefix, RunningGroup
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 NODE = {
     "xml": """
     <arg name="speed" default="1.5" description="How fast"/>

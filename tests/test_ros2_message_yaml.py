@@ -33,6 +33,8 @@ from course_kit.interface_types import message_class
 from course_kit.ros2.messages.values import NotYaml, parse, populate, stamp
 from course_kit.ros2.messages.yaml_text import Shown, fields, to_csv, to_dict, to_yaml
 
+pytestmark = pytest.mark.by_turns("hundreds of types", of="cases")
+
 EXAMPLES = settings(
     max_examples=6,
     deadline=None,

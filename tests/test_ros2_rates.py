@@ -15,6 +15,8 @@ from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 RATE = re.compile(r"average rate: (\S+)\n\tmin: (\S+)s max: (\S+)s std dev: \S+s window: (\d+)\n")
 DELAY = re.compile(r"average delay: (\S+)\n\tmin: (\S+)s max: (\S+)s std dev: \S+s window: (\d+)\n")
 BANDWIDTH = re.compile(r"(\d+) B/s from (\d+) messages\n\tMessage size mean: 8 B min: 8 B max: 8 B\n")

@@ -13,6 +13,8 @@ import pytest
 from tests.domains import own_domain
 from tests.ros2_command import program, ros2
 
+pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+
 FOLDER = Path(__file__).with_name("ros2_transcripts")
 INTERRUPTED_STATUS = 124  # what `timeout` says in the recordings, whatever the command's own status was
 

@@ -12,20 +12,19 @@ import pytest
 
 from tests import durations, landings
 from tests.durations import Durations, Measured
-from tests.landings import PARTS, parts, turn
+from tests.landings import PARTS, part_of, turn
 from tests.selection import Candidate, Tier, choose
 
 TESTS = [
     *(Candidate(f"quick[{number}]", "quick", "test_quick") for number in range(3)),
     *(
-        Candidate(f"solved[{number}]", "solved", "test_answers", is_slow=number > 0, is_by_turns=True)
+        Candidate(f"solved[{number}]", "solved", "test_answers", is_slow=number > 0, by_turns="group")
         for number in range(3)
     ),
     *(Candidate(f"bare[{number}]", "bare", "test_fresh", is_slow=True) for number in range(2)),
 ]
-PART = parts({test.group: test.module for test in TESTS})
-TURN = PART["solved"]
-OTHER = next(part for part in range(PARTS) if part not in PART.values())
+TURN = part_of("solved")
+OTHER = next(part for part in range(PARTS) if part not in map(part_of, ("solved", "bare")))
 SECONDS = Durations(
     {
         "quick": {"fixtures": 1.0, "others": 2.0},
@@ -48,12 +47,12 @@ def run(tier: Tier) -> tuple[dict[str, int], Sequence[str], Sequence[str]]:
         (Tier("", OTHER), {"quick": 3}, ["solved"]),
         (Tier(""), {"solved": 1, "quick": 3}, []),  # of a folder that somebody names
         (Tier("full", TURN), {"solved": 3, "quick": 3}, ["bare"]),
-        (Tier("full", PART["bare"]), {"bare": 2, "quick": 3}, ["solved"]),
+        (Tier("full", part_of("bare")), {"bare": 2, "quick": 3}, ["solved"]),
         (Tier("all"), {"bare": 2, "solved": 3, "quick": 3}, []),
     ],
 )
 def test_a_tier_has_its_tests_the_longest_group_first(tier: Tier, groups: dict[str, int], other_turns) -> None:
-    assert PART["bare"] != TURN
+    assert part_of("bare") != TURN
     assert run(tier) == (groups, other_turns, [])
     assert list(run(tier)[0]) == list(groups)
 
@@ -93,11 +92,23 @@ def test_five_landings_have_all_parts_and_the_commits_draw_their_order() -> None
     assert len(set(map(tuple, rounds))) > 5
 
 
-def test_the_groups_of_a_module_are_dealt_to_the_parts_evenly() -> None:
-    dealt = Counter(parts({f"answers {number}": "test_answers" for number in range(23)}).values())
-    assert sorted(dealt.values()) == [4, 4, 5, 5, 5]
-    single = parts({f"group {number}": f"module {number}" for number in range(50)})
-    assert set(single.values()) == set(range(PARTS))
+def test_of_a_function_whose_cases_take_turns_there_is_always_one_and_five_turns_have_all() -> None:
+    many = [Candidate(f"many[{number}]", "cases", "test_cases", by_turns="cases") for number in range(40)]
+    few = [Candidate(f"few[{number}]", "cases", "test_cases", by_turns="cases") for number in range(2)]
+    for tier in ("", "full"):
+        turns = [choose([*many, *few], Tier(tier, turn), SECONDS).chosen["cases"] for turn in range(PARTS)]
+        assert {test for part in turns for test in part} == {*many, *few}
+        assert all(1 <= len({*few} & {*part}) <= 2 for part in turns)
+        assert max(len({*many} & {*part}) for part in turns) < 20
+    assert len(choose([*many, *few], Tier(""), SECONDS).chosen["cases"]) == 42
+
+
+def test_the_parts_are_about_as_long_as_each_other() -> None:
+    """If this fails after many changes, another SALT is due."""
+    seconds = Counter[int]()
+    for group in (known := Durations.read()).seconds:
+        seconds[part_of(group)] += int(known.of_whole(group))
+    assert max(seconds.values()) < 1.5 * sum(seconds.values()) / PARTS
 
 
 def test_the_landings_are_commits_of_this_repository() -> None:

@@ -45,6 +45,8 @@ from course_kit.spinning.nodes import destroy
 from course_kit.turtlesim import TurtleSim
 from tests.waiting import TIMEOUT, wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 EXECUTORS: dict[str, Callable[..., Any]] = {
     "single": SingleThreadedExecutor,
     "multi": lambda context: MultiThreadedExecutor(4, context=context),

@@ -26,7 +26,10 @@ from tests.kernel import Kernel
 from tests.ros2_launches import is_alive, none_left
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [
+    pytest.mark.timeout(300),
+    pytest.mark.by_turns("builds of packages"),
+]
 STARTED = 30.0  # seconds until a node of another process is heard
 
 

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import ast
+import threading
+
+# Works are graded in threads, and Python before 3.12 mixes up how deep each of them has got in a source:
+# "AST constructor recursion depth mismatch", CPython's issue 106905.
+_parsing = threading.Lock()
 
 
 def definitions(source: str) -> str:
@@ -12,7 +17,8 @@ def definitions(source: str) -> str:
     values. A cell with a magic in its first line has none.
     """
     try:
-        body = ast.parse(source).body
+        with _parsing:
+            body = ast.parse(source).body
     except SyntaxError:
         return ""
     kept = [statement for statement in body if _defines(statement)]

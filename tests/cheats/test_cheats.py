@@ -24,7 +24,10 @@ from tests.cheats import cheats_kernel, cheats_machine, cheats_messages, cheats_
 from tests.cheats.cheat import CANARY, ESCAPED, LEFT_BEHIND, PORT, Cheat, reference
 from tests.cheats.cheats_notebook import HandedIn
 
-pytestmark = pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes")
+pytestmark = [
+    pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),
+    pytest.mark.by_turns("a grading for each", of="cases"),
+]
 CHAPTERS = {chapter.name: chapter for chapter in master.chapters()}
 ALL = [*cheats_kernel.CHEATS, *cheats_messages.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
 SLOW = pytest.mark.slow("each cheat is one grading, of 7 s and more")

@@ -19,7 +19,10 @@ from tests.exercises.chapter import changed
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.usefixtures("fresh_domain")
+pytestmark = [
+    pytest.mark.usefixtures("fresh_domain"),
+    pytest.mark.by_turns("many nodes and programs"),
+]
 
 IMPORTS = """
 from example_interfaces.srv import AddTwoInts

@@ -18,6 +18,8 @@ from course_kit.robot.world import World
 from course_kit.robot.worlds import world
 from tests.crossing import cross
 
+pytestmark = pytest.mark.by_turns("a drive through a world for each", of="cases")
+
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_mistake_leads_to_the_goal(kind: str) -> None:

@@ -25,7 +25,10 @@ from tests.waiting import wait_until
 
 COURSE = [sys.executable, "-m", "course_kit.course_command"]
 SIZE = 60
-pytestmark = pytest.mark.timeout(900)
+pytestmark = [
+    pytest.mark.timeout(900),
+    pytest.mark.by_turns("gradings in kernels"),
+]
 SLOW = pytest.mark.slow("grades a student after the other")
 
 
