@@ -11,6 +11,8 @@ import pytest
 from course_kit import catch_up
 from tests.kernel import Kernel
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 BROKEN_IMPORT = """
 import builtins
 

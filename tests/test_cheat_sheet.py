@@ -26,7 +26,7 @@ from tests.waiting import wait_until
 
 pytestmark = [
     pytest.mark.timeout(120),
-    pytest.mark.by_turns("a program or a cell for each", of="cases"),
+    pytest.mark.by_turns("programs and a workspace"),
 ]
 PATIENCE = 60.0  # seconds for one command, on a busy machine
 NOT_RUN = {

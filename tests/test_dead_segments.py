@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -29,6 +29,23 @@ import os, signal, sys
 file = open(sys.argv[1])
 print("here", flush=True)
 os.kill(os.getpid(), signal.SIGSTOP)
+"""
+# Opens what it can, but for the two folders that it looks into, and heals when it is told to.
+LACKS_DESCRIPTORS = """
+import os, resource
+from course_kit.ending import watchdog
+watchdog.heal()
+resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+opened = []
+try:
+    while True:
+        opened.append(os.open(os.devnull, os.O_RDONLY))
+except OSError:
+    os.close(opened.pop())
+    os.close(opened.pop())
+while True:
+    input()
+    print(watchdog.heal(), flush=True)
 """
 as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can mount a shared memory of its own")
 
@@ -80,10 +97,24 @@ def test_who_waits_on_one_sees_that_it_is_corrupted(kind: str, segment: Path) ->
 def test_one_that_is_being_made_is_left(segment: Path) -> None:
     """By a process that has it, and has begun a moment ago; or by one that cannot be seen, in a container."""
     for has_it, seconds, limit in [(True, 0.3, 0.9), (False, 0.0, 0.1)]:
-        wait_until(partial(is_left, segment, has_it, seconds, limit))
+        wait_until(partial(is_left, segment, has_it, seconds, limit, watchdog.heal))
 
 
-def is_left(segment: Path, has_it: bool, seconds: float, limit: float) -> bool | None:
+def test_who_lacks_the_means_to_see_who_has_it_leaves_it(segment: Path) -> None:
+    command = [sys.executable, "-c", LACKS_DESCRIPTORS]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0) as healing:
+
+        def heal() -> None:
+            assert healing.stdin is not None and healing.stdout is not None
+            healing.stdin.write(b"\n")
+            assert healing.stdout.readline()
+
+        heal()
+        wait_until(lambda: is_left(segment, True, 0.3, 0.9, heal))
+        healing.kill()
+
+
+def is_left(segment: Path, has_it: bool, seconds: float, limit: float, heal: Callable[[], object]) -> bool | None:
     """Whether a half-made file of this age stays. None if it got older than the limit meanwhile, on a busy machine."""
     with open(segment, "wb") as file:
         file.write(DEAD["zero"])
@@ -92,7 +123,7 @@ def is_left(segment: Path, has_it: bool, seconds: float, limit: float) -> bool |
             file.close()
         age(segment, seconds)
         made = time.time() - seconds
-        watchdog.heal()
+        heal()
         stays = segment.exists()
     if time.time() - made > limit:
         return None
@@ -102,6 +133,7 @@ def is_left(segment: Path, has_it: bool, seconds: float, limit: float) -> bool |
 
 def test_one_whose_maker_may_stand_still_is_left(segment: Path) -> None:
     segment.write_bytes(DEAD["zero"])
+    age(segment, -OLD)  # so that nobody takes it before the maker has it
     with subprocess.Popen([sys.executable, "-c", STANDS_STILL, str(segment)], stdout=subprocess.PIPE) as maker:
         assert maker.stdout is not None and maker.stdout.readline()
         os.waitid(os.P_PID, maker.pid, os.WSTOPPED)

@@ -32,7 +32,10 @@ from tests.ros2_command import ros2
 from tests.ros2_launches import none_left
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.usefixtures("fresh_domain")
+pytestmark = [
+    pytest.mark.usefixtures("fresh_domain"),
+    pytest.mark.by_turns("a fault each", of="cases"),
+]
 
 LOOK_TIMEOUT = 30.0  # a look may take 6 s where discovery is slow
 HEALTHY_TIMEOUT = 25.0

@@ -27,7 +27,10 @@ from course_kit.watching import instruments
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.usefixtures("fresh_domain")
+pytestmark = [
+    pytest.mark.usefixtures("fresh_domain"),
+    pytest.mark.by_turns("many nodes and programs"),
+]
 
 PROGRAM = Path(__file__).parent / "programs" / "graph_node.py"
 STR, INT = "std_msgs/msg/String", "std_msgs/msg/Int32"

@@ -17,6 +17,8 @@ from tests.ros2_command import ros2
 from tests.ros2_launches import Prefix, none_left
 from tests.waiting import wait_until
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 TALK = '%ros2 topic pub -r 20 /chatter std_msgs/msg/String "{data: a  b}" --background'
 TICKING = "import os, time\nprint('pid', os.getpid(), flush=True)\nwhile True: time.sleep(0.1)"
 POLITE = """

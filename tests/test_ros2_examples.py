@@ -24,7 +24,7 @@ from course_kit.turtlesim import Laser, TurtleSim
 from tests.terminal import CTRL_C, Terminal
 from tests.test_ros2_help import parser_of, parsers_below
 
-pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
+pytestmark = pytest.mark.by_turns("many programs, the later ones on what the earlier have left")
 
 # What those that go on write, until Ctrl-C.
 GOING_ON = {

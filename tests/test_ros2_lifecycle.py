@@ -10,6 +10,8 @@ from tests.domains import own_domain
 from tests.ros2_command import program, ros2
 from tests.test_ros2_completion import completions
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 NODES = "tests.ros2_lifecycle_nodes"
 CONFIGURE = "- configure [1]\n\tStart: unconfigured\n\tGoal: configuring\n"
 SHUTDOWN = "- shutdown [5]\n\tStart: unconfigured\n\tGoal: shuttingdown\n"

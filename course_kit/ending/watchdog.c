@@ -51,7 +51,11 @@ static int ends_with(const char *text, const char *end) {
 
 /* ---- Dead segments */
 
-/* Whether a process, given by its folder in /proc, has the file open or mapped; 0 if it does not let that be seen. */
+/* Whether this process lacked the means to open a file, such as a free descriptor. */
+static int lacks_means(void) { return errno == EMFILE || errno == ENFILE || errno == ENOMEM; }
+
+/* Whether a process, given by its folder in /proc, has the file open or mapped; 0 if it does not let that be seen.
+   1 if this process lacks the means to look: the file of a maker who is not seen would be taken from it. */
 static int uses(const char *process, const char *path) {
     char name[300], line[1024];
     struct stat owner_of;
@@ -59,12 +63,13 @@ static int uses(const char *process, const char *path) {
     if (stat(process, &owner_of) || owner_of.st_uid != geteuid()) return 0; /* it has ended, or is another user's */
     snprintf(name, sizeof name, "%s/maps", process);
     FILE *maps = fopen(name, "re");
-    if (!maps) return 0;
+    if (!maps) return lacks_means();
     while (!found && fgets(line, sizeof line, maps)) found = strstr(line, path) != NULL;
     fclose(maps);
     snprintf(name, sizeof name, "%s/fd", process);
     DIR *files = found ? NULL : opendir(name);
     struct dirent *link;
+    if (!found && !files) return lacks_means();
     while (files && !found && (link = readdir(files))) {
         ssize_t length = readlinkat(dirfd(files), link->d_name, line, sizeof line - 1);
         found = length == (ssize_t)strlen(path) && !strncmp(line, path, length);

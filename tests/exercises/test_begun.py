@@ -10,6 +10,8 @@ import pytest
 
 from tests.kernel import Kernel
 
+pytestmark = pytest.mark.by_turns("many nodes and programs")
+
 COUNTER = "class Countdown(Node):\n    def __init__(self):\n        super().__init__('countdown')\n"
 IMPORTS = "from rclpy.node import Node\nfrom course_kit import check, run, stop\n"
 
