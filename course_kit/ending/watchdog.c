@@ -101,8 +101,9 @@ static enum users users_of(const char *path) {
     return users;
 }
 
-/* Whether the file is a segment of this user that is not ready, and that nobody can be making any more. */
-static int is_dead(const char *path) {
+/* The inode of the file if it is a segment of this user that is not ready, and that nobody can be making any more;
+   else 0. */
+static ino_t dead_one(const char *path) {
     struct stat found;
     unsigned state = READY;
     if (lstat(path, &found) || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return 0;
@@ -115,7 +116,7 @@ static int is_dead(const char *path) {
         if (state >= READY) return 0;
     }
     enum users users = users_of(path);
-    return users == NOBODY || (users == SOMEBODY && age >= NEW_S);
+    return users == NOBODY || (users == SOMEBODY && age >= NEW_S) ? found.st_ino : 0;
 }
 
 /* Heals the file if it is a dead segment of this user; returns 1 if it was one. */
@@ -124,12 +125,14 @@ static int heal(const char *name) {
     struct stat opened, named;
     int healed = 0;
     snprintf(path, sizeof path, FOLDER "/%s", name);
-    if (!is_dead(path)) return 0;
+    ino_t dead = dead_one(path);
+    if (!dead) return 0;
     int file = open(path, O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
     if (file < 0) return 0;
-    /* The lock keeps two that heal from each other: the second could remove what was made anew meanwhile. */
-    if (!flock(file, LOCK_EX | LOCK_NB) && !fstat(file, &opened) && !lstat(path, &named) &&
-        named.st_ino == opened.st_ino && (opened.st_size > 0 || !ftruncate(file, SMALLEST))) {
+    /* Another process may have healed the file while this one looked for its users, and a third one may be making it
+       anew: that file is another one. The lock keeps two that heal from each other. */
+    if (!flock(file, LOCK_EX | LOCK_NB) && !fstat(file, &opened) && !lstat(path, &named) && opened.st_ino == dead &&
+        named.st_ino == dead && (opened.st_size > 0 || !ftruncate(file, SMALLEST))) {
         _Atomic unsigned *word = mmap(NULL, sizeof *word, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
         if (word != MAP_FAILED) {
             unsigned seen = atomic_load(word);
@@ -144,6 +147,7 @@ static int heal(const char *name) {
 /* Whether a port's semaphore, which is this user's, is taken and nobody has it. */
 static int is_held_by_the_dead(const char *path) {
     struct stat found;
+    ino_t first = 0; /* who removes it meanwhile makes another one */
     for (int look = 0; look < 2; look++) { /* who held it at the first look may have given it back meanwhile */
         unsigned value = 1;
         int file = lstat(path, &found) || !S_ISREG(found.st_mode) || found.st_uid != geteuid()
@@ -151,7 +155,8 @@ static int is_held_by_the_dead(const char *path) {
                        : open(path, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
         if (file < 0 || read(file, &value, sizeof value) != sizeof value) value = 1;
         if (file >= 0) close(file);
-        if (value != 0 || (look == 0 && users_of(path) != NOBODY)) return 0;
+        if (value != 0 || (look == 0 && users_of(path) != NOBODY) || (look == 1 && found.st_ino != first)) return 0;
+        first = found.st_ino;
     }
     return 1;
 }
