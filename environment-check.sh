@@ -318,7 +318,7 @@ run_tests() {
     # Their groups begin in the order of tests/selection.py, not by how many tests they have.
     case ${1:-} in
         '' | --full | --all | --changed)
-            beside=(--numprocesses "$((2 * $(nproc) + 1))" --maxprocesses 12 --dist loadgroup --no-loadscope-reorder)
+            beside=(--numprocesses "$((2 * $(nproc)))" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
             ;;
     esac
     mkdir -p build

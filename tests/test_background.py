@@ -23,6 +23,7 @@ from std_msgs.msg import String
 
 from course_kit import logs, nodes, run, running, stop, wait_for
 from course_kit.spinning import BlockingWait, NodeAlreadyRuns, context, errors
+from tests.waiting import wait_until
 
 
 class Talker(Node):
@@ -315,7 +316,7 @@ def test_a_callback_that_blocks_stalls_its_own_node_only():
     stop(blocked)
     assert time.monotonic() - before < 3.0
     assert names() == ["/talker"]
-    wait_for(lambda: "blocked" not in talker.get_node_names())
+    wait_until(lambda: "blocked" not in talker.get_node_names())
 
 
 def test_client_call_works_in_a_cell_and_wait_for_gives_the_response():
