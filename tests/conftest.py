@@ -46,13 +46,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Say to the workers how much is run, and measure and report it."""
-    if IS_WORKER:
+    if hasattr(config, "workerinput"):
         return
     tier = Tier(config.getoption("tier"))
     is_whole = config.getoption("dist") == "loadgroup"
     if is_whole:
         tier = of_whole_run(tier.name, config.getoption("numprocesses") or 1)
-    config.pluginmanager.register(Report(is_whole))
+    config.pluginmanager.register(Report(is_whole and not IS_WORKER))  # not of a run that a test of a run has started
     os.environ[TIER] = json.dumps(asdict(tier))
 
 

@@ -9,8 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import TIER
-
 ROOT = Path(__file__).parents[1]
 TESTS = """
 import ctypes, os, time
@@ -41,11 +39,7 @@ def test_its_process_ends_and_the_next_test_has_another(how: str, tmp_path: Path
     (tmp_path / "test_it.py").write_text(text.replace("{how}", how))
     settings = f"-c {ROOT / 'pyproject.toml'} --rootdir {tmp_path} -p tests.conftest -p no:cacheprovider".split()
     command = [sys.executable, "-m", "pytest", *settings, "-n1", "--dist", "loadgroup", str(tmp_path / "test_it.py")]
-    environ = {
-        **os.environ,
-        "PYTEST_XDIST_WORKER": "gw0",
-        TIER: '{"name": ""}',
-    }  # a run in a run, which reports nothing
+    environ = {**os.environ, "PYTEST_XDIST_WORKER": "gw0"}  # a run in a run, which reports nothing
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=ROOT, env=environ)
     assert "1 failed, 1 passed" in done.stdout, done.stdout + done.stderr
     assert f"in {how}" in done.stderr  # where it stood
