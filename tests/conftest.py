@@ -107,7 +107,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("xdist_group") is None:
             item.add_marker(pytest.mark.xdist_group(group(item)))
-    if hasattr(config, "workeroutput"):
+    if hasattr(config, "workeroutput") and tier.turn is not None:  # a run of all folders
         config.workeroutput["left"] = told(choice, tier, len(tests))
 
 

@@ -26,8 +26,8 @@ class Durations:
 
     @classmethod
     def read(cls) -> Durations:
-        """What runs here have measured, and for other groups what was kept. Nothing where there are no files."""
-        return cls({**_read(KEPT), **_read(MEASURED)})
+        """Read those that runs here have measured, and for other groups those kept. None where there are no files."""
+        return cls(_known())
 
     def of(self, group: str, tests: Iterable[str]) -> float:
         """Seconds that tests of a group take one after another, with their fixtures."""
@@ -37,11 +37,16 @@ class Durations:
 
     def of_whole(self, group: str) -> float:
         """Seconds of all tests of a group that were measured."""
-        return sum(seconds for seconds in self.seconds.get(group, {"": UNKNOWN}).values())
+        return sum(self.seconds.get(group, {"": UNKNOWN}).values())
 
 
 def _read(path: Path) -> Seconds:
     return dict(json.loads(path.read_text())) if path.exists() else {}
+
+
+def _known() -> Seconds:
+    """The durations of each group: of the last run here that had it, else those kept."""
+    return {**_read(KEPT), **_read(MEASURED)}
 
 
 def function_of(test: str) -> str:
@@ -66,7 +71,7 @@ class Measured:
 
     def keep(self) -> None:
         """Write them over those of earlier runs; a test that was not run keeps what it had."""
-        durations = {**_read(KEPT), **_read(MEASURED)}
+        durations = _known()
         for group, tests in self.seconds.items():
             durations[group] = {**durations.get(group, {}), **_short(tests)}
         write(durations, MEASURED)
@@ -86,4 +91,4 @@ def write(seconds: Seconds, path: Path) -> None:
 
 
 if __name__ == "__main__":
-    write({**_read(KEPT), **_read(MEASURED)}, KEPT)
+    write(_known(), KEPT)

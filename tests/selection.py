@@ -101,7 +101,7 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
 
 
 def _is_of(tier: Tier, test: Candidate) -> bool:
-    """Whether a test is of a tier, wherever the change is."""
+    """True for a test that a tier has wherever the change is."""
     is_its_turn = tier.turn in (None, test.part)
     match tier.name:
         case "all":

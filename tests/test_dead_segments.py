@@ -146,7 +146,7 @@ def test_one_that_is_made_where_a_dead_one_was_a_moment_ago_is_left(segment: Pat
 
 
 def is_left(segment: Path, has_it: bool, seconds: float, limit: float, heal: Callable[[], object]) -> bool | None:
-    """Whether a half-made file of this age stays. None if it got older than the limit meanwhile, on a busy machine."""
+    """Heal, and see that a half-made file of this age stays. None if it got older than the limit meanwhile."""
     with open(segment, "wb") as file:
         file.write(DEAD["zero"])
         file.flush()
