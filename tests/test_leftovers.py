@@ -45,6 +45,7 @@ def generate_launch_description():
     names = ("one", "two")
     return LaunchDescription([Node(package="turtlesim", executable="turtlesim_node", namespace=n) for n in names])
 """
+STATUSES = {"a program": 0, "a verb": 128 + signal.SIGHUP, "a recording": 0, "a launch": 1}  # if the terminal closes
 ENDS: dict[str, Callable[[Terminal], object]] = {
     "Ctrl-C": lambda terminal: terminal.press(CTRL_C),
     "SIGTERM": lambda terminal: terminal.process.terminate(),
@@ -74,6 +75,8 @@ def test_nothing_is_left(what: str, how: str, tmp_path: Path) -> None:
         left = segments(pids)
         ENDS[how](terminal)
         wait_until(lambda: none_left(pids), f"end of {pids}")
+        if how == "its terminal closes":
+            assert terminal.process.wait() == STATUSES[what]
     assert_gone(left, domain, how == "kill -9")
 
 

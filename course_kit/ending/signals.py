@@ -1,9 +1,11 @@
-"""Which signals ask a program to end in good order, and how they wait until that can be."""
+"""Signals that ask a program to end in good order: which they are, and how it ends well all the same."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
+import stat
 import threading
 from collections.abc import Iterator
 
@@ -12,6 +14,21 @@ def asking_to_end() -> list[signal.Signals]:
     """SIGTERM, and SIGHUP, which comes from a terminal that closes, unless `nohup` has it ignored."""
     hears_terminal = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
     return [signal.SIGTERM, *([signal.SIGHUP] if hears_terminal else [])]
+
+
+def leave_closed_terminal() -> None:
+    """Send stdout and stderr nowhere if their terminal has closed: each line would be an OSError amid a good end."""
+    for output in (1, 2):
+        with contextlib.suppress(OSError):  # closed
+            if stat.S_ISCHR(os.fstat(output).st_mode) and not os.isatty(output):
+                write_nowhere(output)
+
+
+def write_nowhere(output: int) -> None:
+    """Send an output, 1 or 2, nowhere from now on: the reader of its pipe, or its terminal, has gone."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, output)
+    os.close(nowhere)
 
 
 @contextlib.contextmanager

@@ -13,6 +13,7 @@ from typing import Any
 
 from tqdm import tqdm  # type: ignore[import-untyped]
 
+from course_kit.ending.signals import leave_closed_terminal
 from course_kit.examining.own_types import Uncompiled
 from course_kit.file_locks import LockTimeout, locked
 from course_kit.grading import (
@@ -178,6 +179,7 @@ def _ended_by_signals() -> Iterator[None]:
     """Let a closed terminal and SIGTERM end it as Ctrl-C does."""
 
     def end(*_: Any) -> None:
+        leave_closed_terminal()
         raise KeyboardInterrupt
 
     earlier = {number: signal.signal(number, end) for number in (signal.SIGTERM, signal.SIGHUP)}

@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
+from course_kit.ending.signals import write_nowhere
 from course_kit.whole_files import reason_of
 
 DESTINATIONS = {"screen", "log", "own_log"}
@@ -79,7 +80,7 @@ def screen(line: str) -> None:
         encoding = sys.stdout.encoding or "ascii"
         print(line.encode(encoding, "replace").decode(encoding), flush=True)
     except BrokenPipeError:  # as in `ros2 launch ... | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        write_nowhere(1)
         os.kill(os.getpid(), signal.SIGINT)
 
 

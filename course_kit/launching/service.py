@@ -9,7 +9,7 @@ import signal
 import traceback
 from collections.abc import Iterable
 
-from course_kit.ending.signals import asking_to_end
+from course_kit.ending.signals import asking_to_end, leave_closed_terminal
 from course_kit.launching import events, output
 from course_kit.launching.context import LaunchContext
 from course_kit.launching.entities import LaunchDescription, visit_all
@@ -106,6 +106,7 @@ class LaunchService:
         self._shutdown("ctrl-c (SIGINT)", due_to_sigint=True)
 
     def _on_sigterm(self, number: signal.Signals) -> None:
+        leave_closed_terminal()
         self._status = 1
         if not self._terminated.done():
             self._terminated.set_result(None)

@@ -13,7 +13,7 @@ from types import FrameType
 from typing import NoReturn
 
 from course_kit.ending import watchdog
-from course_kit.ending.signals import asking_to_end
+from course_kit.ending.signals import asking_to_end, leave_closed_terminal, write_nowhere
 from course_kit.internals.import_parts import import_less
 from course_kit.kernel import in_kernel
 from course_kit.long_tasks import long_task
@@ -157,14 +157,19 @@ def main() -> NoReturn:
     except KeyboardInterrupt:  # before the verb began
         status = int(signal.SIGINT)
     except BrokenPipeError:  # as in `ros2 topic echo ... | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        write_nowhere(1)
         status = 1
     except SystemExit as ending:  # the usage was printed, or SIGTERM came
         status = int(ending.code or 0)
+    except Exception:
+        with contextlib.suppress(OSError):  # its terminal has closed, and that is the exception
+            sys.excepthook(*sys.exc_info())
+        status = 1
     end(status)
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
+    leave_closed_terminal()
     raise SystemExit(128 + number)
 
 

@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from course_kit.ending import watchdog
-from course_kit.ending.signals import asking_to_end
+from course_kit.ending.signals import asking_to_end, leave_closed_terminal
 
 SIGNAL_TIMEOUT = 0.1  # seconds until a signal is looked at where no message comes
 NodeType = TypeVar("NodeType", bound=Node)
@@ -68,6 +68,7 @@ def program(
     before: dict[int, Any] = {}
 
     def on_signal(number: int, _: FrameType | None) -> None:
+        leave_closed_terminal()
         asked.append(number)
         for each in before:
             signal.signal(each, signal.default_int_handler)
