@@ -1,6 +1,7 @@
 """What dead processes left in shared memory stops nobody: it is healed, also while somebody waits on it.
 
-The programs are dead_segments.py and storm.py of tests/programs; `python -m tests.benchmark dead_segments` has more.
+The programs are dead_segments.py, endless_recovery.py and storm.py in tests/programs;
+`python -m tests.benchmark dead_segments` has more.
 """
 
 from __future__ import annotations
@@ -63,6 +64,12 @@ as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can mount a sha
 @pytest.mark.parametrize("case", CASES)
 def test_it_holds_no_program_for_long(case: str) -> None:
     assert max(outcome("tests.programs.dead_segments", case, "2")) < HEALED
+
+
+@as_root
+@pytest.mark.parametrize("guard", ["itself", "another"])
+def test_a_writer_whose_reader_died_in_the_midst_of_a_message_goes_on(guard: str) -> None:
+    assert max(outcome("tests.programs.endless_recovery", guard, "2")) < HEALED
 
 
 @as_root

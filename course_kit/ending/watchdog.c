@@ -1,12 +1,15 @@
 /* A thread that keeps this process from hanging while a native call holds Python's lock.
 
    rclpy holds the lock in most calls into ROS, so no code of Python's can help a process that waits there:
-   no signal handler runs, and no other thread. This thread needs no lock. It does two things:
+   no signal handler runs, and no other thread. This thread needs no lock. It does three things:
 
    - It heals dead segments. Fast DDS makes a file in /dev/shm in four steps: it creates the file, sets its length,
      maps it, writes a state into its first word. A process that is killed in between leaves a file that never gets
      ready. Everybody who opens it waits without an end (boost::interprocess, managed_open_or_create_impl). Those who
      wait get an exception if the state says that the file is corrupted, and make it anew.
+   - It ends endless recoveries. A writer that meets a port whose reader was killed in the midst of a message forgets
+     that message, but with the port's mutex locked twice: it waits 1 s for itself, and begins anew (Fast DDS issue
+     6485). It goes on if nobody seems to read in the midst of a message any more.
    - It ends the process when its time has come: so long after a signal, or when an exit timer is over. */
 
 #define _GNU_SOURCE
@@ -24,12 +27,14 @@
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <time.h>
 #include <unistd.h>
 
 #define FOLDER "/dev/shm"
 #define PREFIX "fastrtps_"
 #define LOCK_SUFFIX "_el"
+#define PORT_PREFIX PREFIX "port"
 #define SEMAPHORE_PREFIX "sem.fastrtps_port"
 enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 initializing */
 #define HEX_DIGITS 16              /* of the name of a data segment */
@@ -37,6 +42,11 @@ enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 i
 #define NEW_S 1.0                  /* a younger file may still be made, which takes microseconds, by one who has it */
 #define UNUSED_S 0.1               /* the same where nobody has it, unless its maker is out of sight in a container */
 #define SMALLEST 4096              /* a file without a length gets this one, so that it can be mapped */
+
+/* A port as Fast DDS 2.14 makes it: where its parts are, in bytes, and the bits in them. */
+enum { NUMBER = 0x114, FLAGS = 0x12c, MUTEX = 0x5170, LISTENERS = 0x5198, LISTENER_SIZE = 20, LISTENERS_LOOKED_AT = 64 };
+enum { IS_IN_ORDER = 1, IS_PROCESSING = 4, SHARED = 128 }; /* SHARED: a mutex's kind */
+#define SUSPECTS 32
 
 static double now(clockid_t clock) {
     struct timespec time;
@@ -161,6 +171,98 @@ static int is_held_by_the_dead(const char *path) {
     return 1;
 }
 
+/* ---- Endless recoveries */
+
+/* A port's memory: a file, or a mapping of this process where the file has been removed. */
+struct port {
+    int file;         /* -1: a mapping */
+    size_t address;   /* of the mapping */
+    unsigned number;  /* by its name */
+    unsigned long id; /* inode of the file, or address of the mapping */
+};
+
+/* A port that is out of order, and the thread that holds its mutex. */
+struct suspect {
+    unsigned long port;
+    int holder;
+};
+
+/* The mapping may go at any moment, so the kernel reads it and writes it. */
+static int read_port(const struct port *port, size_t offset, void *to, size_t size) {
+    struct iovec here = {to, size}, there = {(char *)port->address + offset, size};
+    if (port->file >= 0) return pread(port->file, to, size, offset) == (ssize_t)size;
+    return process_vm_readv(getpid(), &here, 1, &there, 1, 0) == (ssize_t)size;
+}
+
+static void write_port(const struct port *port, size_t offset, unsigned char value) {
+    struct iovec here = {&value, 1}, there = {(char *)port->address + offset, 1};
+    ssize_t written = port->file >= 0 ? pwrite(port->file, &value, 1, offset)
+                                      : process_vm_writev(getpid(), &here, 1, &there, 1, 0);
+    (void)written; /* it has been unmapped */
+}
+
+/* Has a recovery come to its end if one thread holds the mutex of a port out of order at two looks. */
+static void end_recovery(const struct port *port, const struct suspect *before, struct suspect *found, int *count) {
+    struct {
+        unsigned lock, count;
+        int holder;
+        unsigned users;
+        int kind;
+    } mutex; /* as glibc has it */
+    unsigned number, flags;
+    if (!read_port(port, NUMBER, &number, sizeof number) || number != port->number ||
+        !read_port(port, FLAGS, &flags, sizeof flags) || flags & IS_IN_ORDER ||
+        !read_port(port, MUTEX, &mutex, sizeof mutex) || mutex.kind != SHARED || mutex.lock == 0 || mutex.holder <= 0)
+        return;
+    int is_known = 0;
+    for (int index = 0; index < SUSPECTS; index++)
+        is_known |= before[index].port == port->id && before[index].holder == mutex.holder;
+    if (*count < SUSPECTS) found[(*count)++] = (struct suspect){port->id, mutex.holder};
+    for (size_t index = 0; is_known && index < LISTENERS_LOOKED_AT; index++) {
+        size_t offset = LISTENERS + index * LISTENER_SIZE;
+        unsigned char state;
+        if (read_port(port, offset, &state, 1) && state & IS_PROCESSING)
+            write_port(port, offset, state & ~IS_PROCESSING);
+    }
+}
+
+/* Ends the recoveries on the ports of this user, and on those that only this process still has. */
+static void end_recoveries(void) {
+    static _Thread_local struct suspect before[SUSPECTS];
+    struct suspect found[SUSPECTS] = {0};
+    int count = 0;
+    char line[1024], rest[2];
+    struct port port;
+    DIR *folder = opendir(FOLDER);
+    struct dirent *entry;
+    while (folder && (entry = readdir(folder))) {
+        struct stat opened;
+        if (sscanf(entry->d_name, PORT_PREFIX "%u%1s", &port.number, rest) != 1) continue;
+        port.file = openat(dirfd(folder), entry->d_name, O_RDWR | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
+        if (port.file < 0) continue;
+        if (!fstat(port.file, &opened) && opened.st_uid == geteuid()) {
+            port.id = opened.st_ino;
+            end_recovery(&port, before, found, &count);
+        }
+        close(port.file);
+    }
+    if (folder) closedir(folder);
+    port.file = -1;
+    FILE *maps = fopen("/proc/self/maps", "re");
+    while (maps && fgets(line, sizeof line, maps)) {
+        const char *name = strstr(line, FOLDER "/" PORT_PREFIX);
+        if (name && strstr(name, " (deleted)") && sscanf(line, "%zx", &port.address) == 1 &&
+            sscanf(name, FOLDER "/" PORT_PREFIX "%u", &port.number) == 1) {
+            port.id = port.address;
+            end_recovery(&port, before, found, &count);
+        }
+    }
+    if (maps) fclose(maps);
+    memcpy(before, found, sizeof found);
+}
+
+/* ---- All that is healed */
+
 /* Heals all dead segments of this user, ports and data; returns how many there were.
 
    The semaphore that a port is made under goes too if it is held by the dead: Fast DDS would take it over after 2 s. */
@@ -240,6 +342,7 @@ static void *run(void *nothing) {
         }
         if (time >= next_look) {
             watchdog_heal();
+            end_recoveries();
             next_look = time + PERIOD_MS / 1e3;
         }
         poll(&heard, 1, wait);

@@ -14,8 +14,8 @@ from tests.programs.dead_segments import CASES, in_own_shared_memory
 
 NOTE = (
     "dead_segments: seconds that a program took, start included, with a dead segment in its way: 25 of each kind, the "
-    "longest. Then a storm of processes that are killed in the first half second of their time in ROS, six at once, "
-    "beside eight nodes in three domains: the longest of three new nodes afterwards, pairs of the eight that hear each "
+    "longest. Then how long a writer stands still whose reader was killed in the midst of a message. Then a storm of "
+    "processes that are killed in the first half second of their time in ROS, six at once, beside eight nodes in three domains: the longest of three new nodes afterwards, pairs of the eight that hear each "
     "other no more, processes that hang. Only root can mount the shared memory that this needs."
 )
 
@@ -26,6 +26,11 @@ def rows(quick: bool) -> Iterator[Row]:
     for case in CASES:
         seconds = outcome("tests.programs.dead_segments", case, str(count))
         yield at_most(f"{len(seconds)} of {count}: {case}", "s", max(seconds), 3.0)
+    for guard in ("itself", "another"):
+        seconds = outcome("tests.programs.endless_recovery", guard, str(2 * count))
+        yield at_most(
+            f"{len(seconds)} of {2 * count}: a writer whose reader died, guarded by {guard}", "s", max(seconds), 3.0
+        )
     storm = outcome("tests.programs.storm", "200" if quick else "3000")
     what = f"a storm of {storm['killed']}"
     yield Row(f"{what}: dead segments that it left", "files", course=storm["dead_segments"])
