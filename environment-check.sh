@@ -7,7 +7,9 @@ usage="Usage: ./environment-check.sh [--json]            check this machine and 
        ./environment-check.sh lab [ARGUMENT...]   set up what is missing, then start JupyterLab
        ./environment-check.sh test [ARGUMENT...]  set up what is missing, then test the course
 
-Arguments after lab go to JupyterLab, those after test to pytest: none for every kind of proof on few cases (8 minutes),
+lab installs what a student needs. lab --with-grading installs what \`course grade\` needs, too; otherwise that is
+installed when it is first run. test installs all. What one has installed, none takes away.
+The other arguments after lab go to JupyterLab, those after test to pytest: none for every kind of proof on few cases (8 minutes),
 --full for more of them (20), --all for everything (an hour), --changed for what a change can break (two minutes).
 PYTHON=/path/to/python3.12 chooses the Python that the set-up uses."
 
@@ -18,6 +20,9 @@ uv_hashes=(
     --hash=sha256:5337c30bb893b4f9ce0ceb921ba2da0d13f649da644f40ad3bef84083bef0203
 )
 other_set_up_timeout=900 # seconds
+
+level=student                      # of what the command needs: see course_kit/environment/levels.py
+again="./environment-check.sh lab" # what to repeat after a failure
 
 say() {
     stop_ticker
@@ -122,9 +127,9 @@ only_failure() {
     exit 1
 }
 
-# ready, missing, unfinished, outdated, foreign or incomplete: see course_kit/environment/stamp.py.
+# ready, below, missing, unfinished, outdated, foreign or incomplete: see course_kit/environment/stamp.py.
 venv_state() {
-    if [[ -x $venv/bin/python ]] && bare "${PYTHON:-$venv/bin/python}" stamp state 2> /dev/null; then
+    if [[ -x $venv/bin/python ]] && bare "${PYTHON:-$venv/bin/python}" stamp state "$level" 2> /dev/null; then
         return
     elif [[ -e $stamp ]]; then
         echo unfinished
@@ -141,18 +146,26 @@ venv_state() {
 prepare() {
     case $(venv_state) in
         ready) ;;
-        foreign) say "Using the .venv that is there. This script did not make it and leaves it as it is." ;;
+        foreign)
+            say "Using the .venv that is there. This script did not make it and leaves it as it is."
+            [[ $level == student ]] || "$venv/bin/python" -m course_kit.environment.additions "$level" || exit 1
+            ;;
         incomplete) die "This script did not make .venv, and the course is not in it. Move it: mv .venv .venv-mine" ;;
         *) set_up ;;
     esac
 }
 
+# Makes .venv, or adds to it; with `only_add` it does nothing else.
 set_up() {
     { mkdir -p build && : >> build/set-up.lock; } 2> /dev/null ||
         die "$root cannot be written, or its disk is full. Work in a copy: cp -r '$root' ~/course && cd ~/course"
     (
         wait_for_other_set_up
-        [[ $(venv_state) == ready ]] || make_venv
+        case $(venv_state) in
+            ready) ;;
+            below) add_packages ;;
+            *) [[ ${1:-} == only_add ]] || make_venv ;;
+        esac
     ) 9> build/set-up.lock
 }
 
@@ -164,12 +177,14 @@ wait_for_other_set_up() {
 }
 
 make_venv() {
-    local python advice cure digest uv='' begun=$SECONDS
+    local python advice cure digest megabytes uv='' begun=$SECONDS
     unset PYTHONPATH PYTHONHOME PIP_USER PIP_TARGET PIP_PREFIX # they would send packages elsewhere
     choose_python || die "$advice Cure: $cure"
     bare "$python" __main__ --before-set-up >&2 || exit 1
     : > "$log"
-    say "Setting up the course in .venv with $python. It takes about a minute, and downloads 200 MB the first time."
+    level=$(bare "$python" stamp level "$level")
+    megabytes=$(bare "$python" stamp download "$level")
+    say "Setting up the course in .venv with $python. It takes about a minute, and downloads $megabytes MB the first time."
     digest=$(bare "$python" stamp digest) # of what is installed now, whatever changes meanwhile
     remove_old_venv
     { mkdir "$venv" && echo unfinished > "$stamp"; } 2>> "$log" || fail "The folder .venv could not be made."
@@ -180,8 +195,27 @@ make_venv() {
     find_uv
     install_packages
     stop_ticker
-    { echo "$digest" > "$stamp.new" && mv "$stamp.new" "$stamp"; } 2>> "$log" || fail "Set-up could not be finished."
+    finish "$digest"
     say "Set up in $((SECONDS - begun)) s."
+}
+
+# A lower level is there and stays ready until this is done.
+add_packages() {
+    local python=$venv/bin/python uv='' digest what="what \`course grade\` needs"
+    [[ $level == grading ]] || what="what the tests need"
+    unset PYTHONPATH PYTHONHOME PIP_USER PIP_TARGET PIP_PREFIX
+    : > "$log"
+    begin "Adding to .venv $what, which downloads $(bare "$python" stamp download "$level") MB the first time"
+    digest=$(bare "$python" stamp digest)
+    use_settings_of_pip
+    find_uv
+    install_pins || fail "It could not be installed."
+    stop_ticker
+    finish "$digest"
+}
+
+finish() {
+    { echo "$1 $level" > "$stamp.new" && mv "$stamp.new" "$stamp"; } 2>> "$log" || fail "Set-up could not be finished."
 }
 
 # ---- Steps of set-up
@@ -190,15 +224,20 @@ steps=4
 step_number=0
 ticker='' # the process that keeps the line of a step up to date
 
-# Says which step begins; in a terminal that line counts its seconds.
+# Says which step begins.
 begin_step() {
-    stop_ticker
     ((++step_number))
+    begin "[$step_number/$steps] $1"
+}
+
+# Says what begins; in a terminal that line counts its seconds.
+begin() {
+    stop_ticker
     if [[ -t 2 && ${TERM:-dumb} != dumb ]]; then
-        tick "[$step_number/$steps] $1" 9>&- & # without the lock, which it could outlive
+        tick "$1" 9>&- & # without the lock, which it could outlive
         ticker=$!
     else
-        say "[$step_number/$steps] $1"
+        say "$1"
     fi
 }
 
@@ -227,7 +266,7 @@ step() {
 # Ends set-up: what failed, the likeliest cause, the cure.
 fail() {
     stop_ticker
-    bare "$python" failure "$1" "$log" >&2 || say "environment-check: $1 See $log"
+    bare "$python" failure "$1" "$log" "$again" >&2 || say "environment-check: $1 See $log"
     exit 1
 }
 
@@ -272,10 +311,14 @@ install_packages() {
     ros=$(bare "$venv/bin/python" ros)
     [[ -z $ros ]] || say "Using the ROS 2 in $ros."
     begin_step "Installing the packages"
-    bare "$venv/bin/python" pins 2>> "$log" > build/requirements.txt || fail "The folder build cannot be written."
-    install --require-hashes -r build/requirements.txt || fail "The packages could not be installed."
+    install_pins || fail "The packages could not be installed."
     begin_step "Installing the course, compiling its interfaces"
     install --no-deps -e . || fail "The course itself could not be installed."
+}
+
+install_pins() {
+    bare "$venv/bin/python" pins "$level" 2>> "$log" > build/requirements.txt || fail "The folder build cannot be written."
+    install --require-hashes -r build/requirements.txt
 }
 
 install() {
@@ -335,7 +378,7 @@ run_tests() {
 }
 
 main() {
-    local system
+    local system argument arguments=()
     system=$(uname -s)
     if [[ $system != Linux && ${1:-} != -h && ${1:-} != --help ]]; then # macOS has another bash, no realpath, no wheels
         only_failure "operating system" "$system" "the packages of ROS 2 that the course installs are made for Linux" \
@@ -353,13 +396,24 @@ main() {
     case ${1:-} in
         '' | --json) check "$@" ;;
         lab)
+            for argument in "${@:2}"; do
+                case $argument in
+                    --with-grading) level=grading again="./environment-check.sh lab --with-grading" ;;
+                    *) arguments+=("$argument") ;;
+                esac
+            done
             prepare
-            start_lab "${@:2}"
+            start_lab "${arguments[@]}"
             ;;
         test)
             [[ -d tests ]] || die "the tests hold answers to every exercise, so the students' edition is without. \`lab\` opens the course."
+            level=test again="./environment-check.sh test"
             prepare
             run_tests "${@:2}"
+            ;;
+        --add) # what `course grade` runs: the level, and itself
+            level=$2 again=$3
+            set_up only_add
             ;;
         -h | --help) printf '%s\n' "$usage" ;;
         *)

@@ -100,11 +100,12 @@ def this_environment() -> Interpreter:
     """The same with what is installed."""
     from importlib.metadata import distributions
 
-    from course_kit.environment import pins
+    from course_kit.environment import pins, stamp
 
     # Spelt as the lock spells them.
     installed = {re.sub("[-_.]+", "-", d.metadata["Name"]).lower(): d.version for d in distributions()}
-    wanted = _applicable(pins.requirements(with_ros=sourced_ros(os.environ) is None))
+    level = stamp.level_of(Path(sys.prefix))
+    wanted = applicable(pins.requirements(with_ros=sourced_ros(os.environ) is None, level=level))
     spec = importlib.util.find_spec("rclpy")
     return replace(
         this_interpreter(),
@@ -114,7 +115,7 @@ def this_environment() -> Interpreter:
     )
 
 
-def _applicable(requirements: Sequence[str]) -> list[tuple[str, str]]:
+def applicable(requirements: Sequence[str]) -> list[tuple[str, str]]:
     """(name, version) of the pins meant for this Python and machine; none if nothing is installed to tell."""
     try:
         from packaging.requirements import Requirement

@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 import contextlib
 import os
+import shlex
 import signal
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm  # type: ignore[import-untyped]
-
 from course_kit.ending.signals import leave_closed_terminal
+from course_kit.environment import additions
+from course_kit.environment.levels import GRADING
 from course_kit.examining.own_types import Uncompiled
 from course_kit.file_locks import LockTimeout, locked
 from course_kit.grading import (
@@ -110,6 +111,7 @@ def _grade(chosen: argparse.Namespace) -> int:
     submissions = _read(chosen, asked)
     if not is_apart:
         print(f"course: protection: {sandbox.NOT_APART} ({sandbox.why_not()})", file=sys.stderr)
+    additions.add(GRADING, again=shlex.join(sys.argv))
     class_run.prepare(asked)
     with _locked(chosen.out), _workers(chosen) as executor, _ended_by_signals():
         run = ClassRun(Settings(chosen.timeout, is_apart=is_apart), chosen.jobs, chosen.out, executor)
@@ -136,6 +138,8 @@ def _read(chosen: argparse.Namespace, asked: Sequence[str]) -> list[submission.S
 
 
 def _graded(run: ClassRun, submissions: Sequence[submission.Submission], is_class: bool) -> list[StudentResult]:
+    from tqdm import tqdm  # type: ignore[import-untyped]  # it may just have been installed
+
     with tqdm(total=len(submissions), unit="student", disable=None if is_class else True, dynamic_ncols=True) as bar:
 
         def report(result: StudentResult) -> None:
@@ -195,7 +199,8 @@ def run(chosen: argparse.Namespace) -> int:
     try:
         return int(chosen.run(chosen))
     except (ValueError, OSError, Uncompiled) as error:
-        print(f"course: {error}", file=sys.stderr)
+        if str(error):  # else somebody has said it
+            print(f"course: {error}", file=sys.stderr)
         return WRONG
     except (KeyboardInterrupt, Stopped):
         notebook_run.stop.set()

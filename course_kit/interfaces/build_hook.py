@@ -19,6 +19,7 @@ sys.path.insert(0, str(ROOT))
 from course_kit.environment import compiler, pins  # noqa: E402
 from course_kit.environment.activation import has_package, sourced_ros  # noqa: E402
 from course_kit.environment.interpreter import INTERFACES, interfaces_to_compile, packages_to_install  # noqa: E402
+from course_kit.environment.levels import GRADING, TEST  # noqa: E402
 from course_kit.interfaces import rosidl  # noqa: E402
 
 PREFIX = ROOT / "course_kit" / "environment" / "prefix"
@@ -39,11 +40,12 @@ class RosMetadata(MetadataHookInterface):
     """What depends on whether a sourced ROS 2 is used: it brings its own packages, and its own `ros2` command."""
 
     def update(self, metadata: dict[str, Any]) -> None:
-        """Fill in the dependencies and the scripts."""
+        """Fill in the dependencies of students, the extras for what others need, and the scripts."""
         ros = sourced_ros(os.environ)
         metadata["dependencies"] = pins.requirements(
             with_ros=ros is None, with_compiler=pins.compiler_is_wanted(os.environ)
         )
+        metadata["optional-dependencies"] = {level: pins.added(level) for level in (GRADING, TEST)}
         has_command = ros is not None and has_package(ros.prefix, "ros2cli")
         ours = {} if has_command else {"ros2": "course_kit.ros2.command:main"}
         metadata["scripts"] = {**ours, "course": "course_kit.course_command:main"}
