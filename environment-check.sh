@@ -209,7 +209,7 @@ add_packages() {
     digest=$(bare "$python" stamp digest)
     use_settings_of_pip
     find_uv
-    install_pins || fail "It could not be installed."
+    install_pins || fail "${what^} could not be installed."
     stop_ticker
     finish "$digest"
 }
@@ -411,8 +411,9 @@ main() {
             prepare
             run_tests "${@:2}"
             ;;
-        --add) # what `course grade` runs: the level, and itself
-            level=$2 again=$3
+        --add) # what `course grade` runs, with its own command line
+            [[ ${2:-} == @(grading|test) ]] || die "--add takes a level, grading or test."
+            level=$2 again=${3:-./environment-check.sh --add $2}
             set_up only_add
             ;;
         -h | --help) printf '%s\n' "$usage" ;;

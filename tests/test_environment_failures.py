@@ -275,4 +275,4 @@ def test_a_folder_that_cannot_be_written_is_to_be_copied(course, lab):
 def test_the_cause_is_read_from_the_last_step_in_the_log(tmp_path, line, why):
     log = tmp_path / "set-up.log"
     log.write_text(f"\n$ pip install uv\nNo space left on device\n\n$ uv pip install\nfirst\n{line}\n")
-    assert f"said: {line}\nwhy:  {why}" in failure.explain("It failed.", log, os.environ)
+    assert f"said: {line}\nwhy:  {why}" in failure.explain("It failed.", log, "./environment-check.sh lab", os.environ)

@@ -102,8 +102,8 @@ def test_too_little_memory_warns_and_far_too_little_fails(available, total, stat
     ("free", "writable", "ready", "status"),
     [
         (5000, True, False, "PASS"),
-        (1499, True, False, "FAIL"),
-        (1499, True, True, "PASS"),
+        (1199, True, False, "FAIL"),
+        (1199, True, True, "PASS"),
         (199, True, True, "WARN"),
         (5000, False, False, "FAIL"),
         (5000, False, True, "PASS"),

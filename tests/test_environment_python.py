@@ -189,6 +189,7 @@ def test_a_finished_venv_is_ready(finished):
     "source",
     [
         "pyproject.toml",
+        "course_kit/environment/levels.py",
         "course_kit/environment/requirements.lock",
         "course_kit/environment/prefix/share/course_kit/bashrc.sh",
         "course_kit/interfaces/build_hook.py",

@@ -1,4 +1,4 @@
-"""environment-check.sh lab and test, for real: set-up, interrupted and twice at once, JupyterLab, the tests."""
+"""environment-check.sh lab and test, for real: interrupted, twice at once, going up; JupyterLab, the tests."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import signal
+import subprocess
 import time
 import urllib.error
 import urllib.request
@@ -17,7 +18,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from course_kit.environment import stamp
+from course_kit.environment import levels, stamp
 from tests.course_copy import ROOT, CourseCopy, fresh_environ
 from tests.waiting import wait_until
 
@@ -65,7 +66,7 @@ def test_an_interrupted_set_up_is_reported_and_the_next_start_makes_it_anew(done
     report = {check["name"]: check for check in json.loads(done.state_after_kill)["checks"]}
     assert report["environment"]["status"] == "WARN"
     assert "interrupted" in report["environment"]["detail"]
-    assert (done.course.root / ".venv" / stamp.NAME).read_text() != stamp.UNFINISHED
+    assert stamp.read(done.course.root / ".venv")[0] != stamp.UNFINISHED
 
 
 def test_of_two_set_ups_at_once_one_works_and_the_other_waits(done):
@@ -129,11 +130,28 @@ def test_lab_serves_the_notebooks_on_localhost_and_only_with_its_token(done, tmp
         server.communicate(timeout=30)
 
 
+def test_the_first_grading_adds_what_it_needs_to_what_lab_has_set_up(done):
+    assert not (done.course.root / ".venv/bin/dask").exists()
+    command = [".venv/bin/course", "grade", ".", "--only", "topics-2"]
+    results = [
+        subprocess.run(command, cwd=done.course.root, env=fresh_environ(), capture_output=True, text=True, timeout=300)
+        for _ in range(2)
+    ]
+    assert [result.returncode for result in results] == [1, 1], results  # not all points
+    assert all("topics-2 · Why does nothing arrive?: not begun" in result.stdout for result in results)
+    assert results[0].stderr.count("Adding to .venv what `course grade` needs") == 1
+    assert "Adding" not in results[1].stderr
+    assert stamp.level_of(done.course.root / ".venv") == levels.GRADING
+    again = done.course.run("lab", "--with-grading", "--version")
+    assert (again.returncode, again.stderr) == (0, "")
+
+
 def test_the_tests_run_after_lint_and_a_lint_error_fails_them(done):
     (done.course.root / "tests/test_lint_error.py").write_text("import os\n\n\ndef test_good():\n    assert True\n")
     result = done.course.run("test", "tests/test_lint_error.py", "-q", timeout=300)
     assert result.returncode != 0
     assert "F401" in result.stdout
+    assert "Adding to .venv what the tests need" in result.stderr
     assert result.stdout.splitlines()[-1].startswith("1 passed")
 
 

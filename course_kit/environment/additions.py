@@ -59,8 +59,8 @@ def add(level: str, again: str, root: Path = stamp.ROOT, environ: Mapping[str, s
 
 
 def _lacks(missing: Sequence[str]) -> str:
-    listed = ", ".join(missing[:3]) + (" ..." if len(missing) > 3 else "")
-    return f"{len(missing)} packages are missing here: {listed}"
+    more = f" and {len(missing) - 3} more" if len(missing) > 3 else ""
+    return f"needed here, but not installed: {', '.join(missing[:3])}{more}"
 
 
 def _obstacle(level: str, root: Path, environ: Mapping[str, str]) -> str:

@@ -13,7 +13,7 @@ from course_kit.environment.compiler import OLDEST_GLIBC
 from course_kit.environment.report import Check, fail, passed, warn
 
 NEEDED_MEMORY = 1000  # MB: JupyterLab, two kernels, a browser page
-NEEDED_DISK = 1500  # MB: the environment, what is compiled, the installer's cache
+NEEDED_DISK = 1200  # MB: a student's environment, what is compiled, the installer's cache
 SPARE_DISK = 200  # MB: recordings, bags, workspaces of the chapters
 # Once apt knows ROS's packages, by the steps of https://docs.ros.org/en/jazzy/Installation/Ubuntu-Install-Debs.html.
 APT_JAZZY = (

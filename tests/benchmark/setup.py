@@ -1,4 +1,4 @@
-"""How long ./environment-check.sh takes: the first set-up, one with a warm cache, and a start when all is there."""
+"""How long ./environment-check.sh takes: the first set-up, one with a warm cache, going up, a later start."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from course_kit.environment.levels import GRADING, TEST
 from tests.benchmark.table import Row
 from tests.course_copy import BASE_PYTHON, CourseCopy, fresh_environ
 
 TIMEOUT = 1800.0
 NOTE = (
     "setup: `./environment-check.sh lab --version` in a copy of the course. First: empty caches, all is downloaded and "
-    "compiled. Warm: a new copy, the same caches. Again: the same copy. Check: without an argument."
+    "compiled. Warm: a new copy, the same caches. Again: the same copy. Check: without an argument. Adding: "
+    "what graders and the tests need besides, to that copy, with the same caches."
 )
 
 
@@ -33,6 +35,10 @@ def rows(quick: bool) -> Iterator[Row]:
         yield Row("set-up, warm cache", "s", None, _seconds(course, environ, "lab", "--version"))
         yield Row("start, again", "s", None, _seconds(course, environ, "lab", "--version"))
         yield Row("check", "s", None, _seconds(course, environ))
+        yield Row("set-up, a student's .venv", "MB", None, _megabytes(course))
+        for level in (GRADING, TEST):
+            yield Row(f"set-up, adding for {level}", "s", None, _seconds(course, environ, "--add", level))
+            yield Row(f"set-up, .venv for {level}", "MB", None, _megabytes(course))
 
 
 def _seconds(course: CourseCopy, environ: dict[str, str], *arguments: str) -> float:
@@ -42,3 +48,8 @@ def _seconds(course: CourseCopy, environ: dict[str, str], *arguments: str) -> fl
         said = done.stdout[-2000:] + done.stderr[-2000:]
         raise RuntimeError(f"environment-check.sh {' '.join(arguments)} failed:\n{said}")
     return time.monotonic() - began
+
+
+def _megabytes(course: CourseCopy) -> float:
+    """What .venv takes on the disk."""
+    return sum(path.lstat().st_blocks for path in (course.root / ".venv").rglob("*")) * 512 / 1e6
