@@ -15,8 +15,9 @@ from tests.programs.dead_segments import CASES, in_own_shared_memory
 NOTE = (
     "dead_segments: seconds that a program took, start included, with a dead segment in its way: 25 of each kind, the "
     "longest. Then how long a writer stands still whose reader was killed in the midst of a message. Then a storm of "
-    "processes that are killed in the first half second of their time in ROS, six at once, beside eight nodes in three domains: the longest of three new nodes afterwards, pairs of the eight that hear each "
-    "other no more, processes that hang. Only root can mount the shared memory that this needs."
+    "processes that are killed in the first half second of their time in ROS, six at once, beside eight nodes in three "
+    "domains: the longest of three new nodes afterwards, pairs of the eight that hear each other no more, processes "
+    "that hang. Only root can mount the shared memory that this needs."
 )
 
 
