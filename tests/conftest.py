@@ -16,7 +16,7 @@ import pytest
 from tests import leftovers
 from tests.domains import give_back, own_domain, use_own_domain
 from tests.durations import Durations
-from tests.landings import PARTS, commit, landed, turn
+from tests.landings import PARTS, commit, half, landed, turn
 from tests.report import Report
 from tests.scheduling import GroupScheduling
 from tests.selection import TIERS, Candidate, Choice, Tier, choose
@@ -66,7 +66,8 @@ def of_whole_run(name: str, workers: int) -> Tier:
         if name == "changed" and set(distances.values()) == {None}:
             pytest.exit("Nothing has changed that a test depends on.", returncode=0)
     limit = MINUTES.get(name, 0.0) * 60
-    return Tier(name, turn(landed(), commit()), distances, limit * workers, limit)
+    own_half = None if name else half(commit())
+    return Tier(name, turn(landed(), commit()), distances, limit * workers, limit, own_half)
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> GroupScheduling | None:
@@ -113,14 +114,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 def as_test(item: pytest.Item) -> Candidate:
     by_turns = item.get_closest_marker("by_turns")
-    of = by_turns.kwargs.get("of", "group") if by_turns else ""
-    return Candidate(item.nodeid, group(item), item.path.stem, item.get_closest_marker("slow") is not None, of)
+    of, kind = (by_turns.kwargs.get("of", "group"), by_turns.args[0]) if by_turns else ("", "")
+    return Candidate(item.nodeid, group(item), item.path.stem, item.get_closest_marker("slow") is not None, of, kind)
 
 
 def told(choice: Choice, tier: Tier, count: int) -> list[str]:
     """The lines that say what a run had and what it left."""
     run = sum(map(len, choice.chosen.values()))
-    lines = [f"Run: {run} of {count} tests; commit {commit()[:7]} has turn {tier.turn} of 0 to {PARTS - 1}."]
+    its_half = "" if tier.half is None else f", of which half {tier.half} of 0 and 1"
+    lines = [f"Run: {run} of {count} tests; commit {commit()[:7]} has turn {tier.turn} of 0 to {PARTS - 1}{its_half}."]
     if choice.slow:
         lines.append(f"Left to --full and --all: {choice.slow} slow tests.")
     if choice.other_turns:

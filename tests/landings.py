@@ -1,5 +1,7 @@
 """The turns of the long tests: five landings in a row run all parts, in an order that nobody chooses.
 
+A run without --full has one half of the part whose turn it is, which the commit draws, too.
+
 .ci/landed has the commit of each landing, the oldest first. The first commit behind a landing adds it.
 """
 
@@ -12,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 LANDED = ROOT / ".ci/landed"
-PARTS = 5
+PARTS, HALVES = 5, 2
 SALT = "3303"  # with it the parts take about the same time
 NO_COMMIT = "0"  # of a copy of the course that is no git repository
 
@@ -43,10 +45,24 @@ def turn(landings: Sequence[str], commit: str) -> int:
     return _drawn(left, commit)
 
 
+def half(commit: str) -> int:
+    """The half of each part that a run of a commit has without --full."""
+    return int(commit, 16) // PARTS % HALVES
+
+
 def _drawn(left: Sequence[int], commit: str) -> int:
     return left[int(commit, 16) % len(left)]
 
 
 def part_of(name: str) -> int:
     """The part that a group of tests, or a case, belongs to: by its name alone, so it stays when others come and go."""
-    return int(hashlib.sha256(f"{SALT} {name}".encode()).hexdigest(), 16) % PARTS
+    return _number(name) % PARTS
+
+
+def half_of(name: str) -> int:
+    """The half of its part that a group of tests, or a case, belongs to."""
+    return _number(name) // PARTS % HALVES
+
+
+def _number(name: str) -> int:
+    return int(hashlib.sha256(f"{SALT} {name}".encode()).hexdigest(), 16)

@@ -1,11 +1,13 @@
 """Which tests a run has: every kind of proof on few cases, or more of them, or all.
 
-| tier        | ordinary | by_turns        | slow            | near the change       |
-|-------------|----------|-----------------|-----------------|-----------------------|
-| (none)      | yes      | whose turn it is| no              | no                    |
-| --full      | yes      | whose turn it is| whose turn it is| whole, up to a limit  |
-| --all       | yes      | yes             | yes             | yes                   |
-| --changed   | no       | no              | no              | whole, up to a limit  |
+| tier      | ordinary | by_turns                | slow             | near the change      |
+|-----------|----------|-------------------------|------------------|----------------------|
+| (none)    | yes      | half of whose turn it is| no               | no                   |
+| --full    | yes      | whose turn it is        | whose turn it is | whole, up to a limit |
+| --all     | yes      | yes                     | yes              | yes                  |
+| --changed | no       | no                      | no               | whole, up to a limit |
+
+A run has one of each kind of which there are many: of each function whose cases take turns, and of groups that do.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tests.durations import Durations, function_of
-from tests.landings import PARTS, part_of
+from tests.landings import PARTS, half_of, part_of
 
 TIERS = {
     "full": "every kind: all cases where the change since the last landing is, of the rest those whose turn it is",
@@ -33,11 +35,22 @@ class Candidate:
     module: str
     is_slow: bool = False
     by_turns: str = ""  # "group" or "cases": a run has the groups, or of each function the cases, whose turn it is
+    kind: str = ""  # of the groups that take turns: why they do
+
+    @property
+    def taking_turns(self) -> str:
+        """Its name if the cases of its function take turns, else that of its group."""
+        return self.name if self.by_turns == "cases" else self.group
 
     @property
     def part(self) -> int:
         """The part of the tests that it belongs to."""
-        return part_of(self.name if self.by_turns == "cases" else self.group)
+        return part_of(self.taking_turns)
+
+    @property
+    def half(self) -> int:
+        """The half of its part that it belongs to."""
+        return half_of(self.taking_turns)
 
 
 @dataclass(frozen=True)
@@ -49,6 +62,7 @@ class Tier:
     distances: Mapping[str, int | None] = field(default_factory=dict)  # of groups or modules; None: cannot break
     limit: float = 0.0  # seconds of all tests, one after another
     longest: float = 0.0  # seconds of a group, unless it is among the nearest
+    half: int | None = None  # of the part whose turn it is; None: the whole part
 
     def distance(self, group: Sequence[Candidate]) -> int | None:
         """How many imports lie between a group of tests and the change; None if it cannot break the group."""
@@ -76,7 +90,7 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
     def seconds(group: str, part: Sequence[Candidate]) -> float:
         return durations.of(group, [test.name for test in part]) if part else 0.0
 
-    of_tier = {test for test in tests if _is_of(tier, test)} | set(_first_cases(tests, tier))
+    of_tier = {test for test in tests if _is_of(tier, test)} | set(_one_of_each_kind(tests, tier))
     chosen = {group: [test for test in part if test in of_tier] for group, part in groups.items()}
     more = {group: seconds(group, part) - seconds(group, chosen[group]) for group, part in groups.items()}
     spent = sum(seconds(group, part) for group, part in chosen.items())
@@ -111,16 +125,22 @@ def _is_of(tier: Tier, test: Candidate) -> bool:
         case "changed":
             return False
         case _:
-            return not test.is_slow and (is_its_turn or not test.by_turns)
+            is_its_half = tier.half in (None, test.half)
+            return not test.is_slow and ((is_its_turn and is_its_half) or not test.by_turns)
 
 
-def _first_cases(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candidate]:
-    """Of each function whose cases take turns one, which is that of the turn if there is one."""
+def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candidate]:
+    """A case of each function whose cases take turns, a group of each kind with as many as there are parts.
+
+    It is one whose turn it is, if there is one. They are not slow.
+    """
     if tier.turn is None or tier.name == "changed":
         return
-    turn, cases = tier.turn, defaultdict(list)
+    turn, kinds = tier.turn, defaultdict[tuple[str, str], dict[str, list[Candidate]]](lambda: defaultdict(list))
     for test in tests:
-        if test.by_turns == "cases" and not test.is_slow:
-            cases[function_of(test.name)].append(test)
-    for part in cases.values():
-        yield min(part, key=lambda test: (test.part - turn) % PARTS)
+        if test.by_turns and not test.is_slow:
+            kind = function_of(test.name) if test.by_turns == "cases" else test.kind
+            kinds[test.by_turns, kind][test.taking_turns].append(test)
+    for (by_turns, _), kind in kinds.items():
+        if by_turns == "cases" or len(kind) >= PARTS:
+            yield from min(kind.values(), key=lambda part: ((part[0].part - turn) % PARTS, part[0].half != tier.half))

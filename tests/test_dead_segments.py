@@ -61,12 +61,14 @@ as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can mount a sha
 
 
 @as_root
+@pytest.mark.by_turns("programs for each", of="cases")
 @pytest.mark.parametrize("case", CASES)
 def test_it_holds_no_program_for_long(case: str) -> None:
     assert max(outcome("tests.programs.dead_segments", case, "2")) < HEALED
 
 
 @as_root
+@pytest.mark.by_turns("programs for each", of="cases")
 @pytest.mark.parametrize("guard", ["itself", "another"])
 def test_a_writer_whose_reader_died_in_the_midst_of_a_message_goes_on(guard: str) -> None:
     assert max(outcome("tests.programs.endless_recovery", guard, "2")) < HEALED

@@ -27,7 +27,7 @@ RELEASES = {
     # With the newest Python. A mirror may keep a state of it for longer than that state is valid.
     "forky": ['--aptopt=Acquire::Check-Valid-Until "false"', DEBIAN],
 }
-CHAPTERS = ("01_setup_checks", "02_workspace")
+CHAPTERS = ("01_setup_checks", "02_workspace", "07_robot")
 KEYS = {"noble": Path("/usr/share/keyrings/ubuntu-archive-keyring.gpg")}
 # What a user would have been told about the network that this machine is in.
 OF_THE_NETWORK = ("_PROXY", "_proxy", "SSL_CERT_FILE", "PIP_CERT", "INDEX_URL", "UV_INDEX", "UV_DEFAULT_INDEX")

@@ -12,13 +12,13 @@ import pytest
 
 from tests import durations, landings
 from tests.durations import Durations, Measured
-from tests.landings import PARTS, part_of, turn
+from tests.landings import HALVES, PARTS, half_of, part_of, turn
 from tests.selection import Candidate, Tier, choose
 
 TESTS = [
     *(Candidate(f"quick[{number}]", "quick", "test_quick") for number in range(3)),
     *(
-        Candidate(f"solved[{number}]", "solved", "test_answers", is_slow=number > 0, by_turns="group")
+        Candidate(f"solved[{number}]", "solved", "test_answers", is_slow=number > 0, by_turns="group", kind="answer")
         for number in range(3)
     ),
     *(Candidate(f"bare[{number}]", "bare", "test_fresh", is_slow=True) for number in range(2)),
@@ -101,6 +101,24 @@ def test_of_a_function_whose_cases_take_turns_there_is_always_one_and_five_turns
         assert all(1 <= len({*few} & {*part}) <= 2 for part in turns)
         assert max(len({*many} & {*part}) for part in turns) < 20
     assert len(choose([*many, *few], Tier(""), SECONDS).chosen["cases"]) == 42
+
+
+def test_a_run_has_a_half_of_its_turn_and_of_each_kind_one() -> None:
+    kinds = {"many": 60, "few": 5}
+    tests = [
+        Candidate(f"{kind} {number}", f"{kind} {number}", kind, by_turns="group", kind=kind)
+        for kind, count in kinds.items()
+        for number in range(count)
+    ]
+    for part in range(PARTS):
+        whole = choose(tests, Tier("full", part), SECONDS).chosen
+        halves = [choose(tests, Tier("", part, half=half), SECONDS).chosen for half in range(HALVES)]
+        assert {group for group in whole if part_of(group) == part} == {
+            group for half in halves for group in half if part_of(group) == part
+        }
+        assert all(0 < len([group for group in half if "many" in group]) < 10 for half in halves)
+        assert all(any("few" in group for group in half) for half in halves)
+        assert all(half_of(group) == number or "few" in group for number, half in enumerate(halves) for group in half)
 
 
 def test_the_parts_are_about_as_long_as_each_other() -> None:

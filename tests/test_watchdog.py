@@ -146,6 +146,7 @@ def test_the_checker() -> None:
         process.wait()
 
 
+@pytest.mark.by_turns("a program for each", of="cases")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 @pytest.mark.parametrize("what", HELD)
 def test_a_signal_ends_what_a_native_call_holds(what: str, number: signal.Signals) -> None:
