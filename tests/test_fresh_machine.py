@@ -121,6 +121,13 @@ def test_the_chapters_run_top_to_bottom(machine):
         assert done.returncode == 0, chapter + done.stdout[-6000:] + done.stderr[-2000:]
 
 
+def test_help_has_no_colours(machine):
+    """Python 3.14 colours that of argparse; FORCE_COLOR stands for a terminal."""
+    for words in ([], ["topic"], ["topic", "echo"]):
+        done = machine.run(["env", "FORCE_COLOR=1", ".venv/bin/ros2", *words, "--help"])
+        assert done.stdout.startswith("usage: ros2"), done.stdout + done.stderr
+
+
 def test_what_the_wheel_s_compiler_links_uses_the_libstdcxx_of_ros_2(machine):
     done = machine.run([".venv/bin/python", "-c", CUT_SHORT])
     assert done.stdout.split() == ["True", "RMWError"], done.stdout + done.stderr

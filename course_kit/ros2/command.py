@@ -10,7 +10,7 @@ import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Mapping, Sequence
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from course_kit.ending import watchdog
 from course_kit.ending.signals import asking_to_end, leave_closed_terminal, write_nowhere
@@ -44,6 +44,10 @@ OF_A_NOTEBOOK = f"\nWith {BACKGROUND} at its end a command goes on in a view of 
 
 
 class _Parser(ArgumentParser):
+    def __init__(self, *arguments: Any, **settings: Any) -> None:
+        super().__init__(*arguments, **settings)
+        self.color = False  # argparse of Python 3.14 colours help in a terminal; that of ROS 2 does not
+
     def error(self, message: str) -> NoReturn:
         super().error(cut(message))
 
