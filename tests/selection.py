@@ -141,6 +141,8 @@ def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candid
         if test.by_turns and not test.is_slow:
             kind = function_of(test.name) if test.by_turns == "cases" else test.kind
             kinds[test.by_turns, kind][test.taking_turns].append(test)
-    for (by_turns, _), kind in kinds.items():
-        if by_turns == "cases" or len(kind) >= PARTS:
-            yield from min(kind.values(), key=lambda part: ((part[0].part - turn) % PARTS, part[0].half != tier.half))
+    for (by_turns, _), of_kind in kinds.items():
+        if by_turns == "cases" or len(of_kind) >= PARTS:
+            yield from min(
+                of_kind.values(), key=lambda part: ((part[0].part - turn) % PARTS, part[0].half != tier.half)
+            )
