@@ -11,6 +11,7 @@ import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+import psutil  # type: ignore[import-untyped]
 import pytest
 
 from tests.course_copy import CourseCopy
@@ -89,7 +90,13 @@ class Machine:
         inside += ["sh", "-c", 'cd "$0" && exec "$@"', folder, *command]
         own = ["unshare", "--mount", "--pid", "--fork", "--kill-child", *([] if network else ["--net"])]
         enter = [*own, "sh", "-c", ENTER, "sh", str(self.root), "network" if network else "none"]
-        return subprocess.run([*enter, *inside], capture_output=True, text=True, timeout=timeout)
+        with subprocess.Popen([*enter, *inside], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            try:
+                said = process.communicate(timeout=timeout)
+            finally:  # the first process of a namespace ends all others in it; its parent's end alone does not end it
+                for first in psutil.Process(process.pid).children() if process.poll() is None else ():
+                    first.kill()
+        return subprocess.CompletedProcess(command, process.returncode, *said)
 
 
 def releases() -> Iterator[object]:

@@ -1,16 +1,24 @@
-"""An action client meets its server before it sends a goal: the server need know nothing of it, and may be busy."""
+"""A client meets its server before it asks it for something. The server need know nothing of it, and may be busy."""
 
 from __future__ import annotations
 
+import time
+from argparse import Namespace
 from typing import Any
 
+import pytest
 from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient, ActionServer, GoalResponse
 from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
 
 from course_kit.background.running import running
-from course_kit.calls.meeting import meet_server
+from course_kit.calls.meeting import PERIOD, meet_server, meet_service
 from course_kit.polling import wait_until
+from course_kit.ros2.servers import outcome
+from course_kit.ros2.session import Session
+from course_kit.ros2.verbs import CommandError
 from course_kit.spinning.nodes import quiet_node
 from tests.waiting import wait_until as wait_for
 
@@ -53,3 +61,64 @@ def test_a_server_that_answers_nothing_counts_as_busy():
         assert not meet_server(asking.client, wait_until)
         server.destroy()
         busy.destroy_node()
+
+
+class Triggered(Node):
+    """Counts the requests for its service."""
+
+    def __init__(self, name: str = "triggered", has_parameters: bool = True) -> None:
+        super().__init__(name, start_parameter_services=has_parameters)
+        self.count = 0
+        self.create_service(Trigger, "trigger", self.answer)
+
+    def answer(self, request: Any, response: Any) -> Any:
+        self.count += 1
+        return response
+
+
+class Silent(Triggered):
+    def __init__(self) -> None:
+        super().__init__("silent", has_parameters=False)
+
+
+class Calling(Node):
+    def __init__(self) -> None:
+        super().__init__("calling")
+        self.client = self.create_client(Trigger, "trigger")
+
+
+def test_a_service_that_is_met_is_not_called_and_answers_the_next_request():
+    with running(Triggered, Calling) as (server, calling):
+        wait_for(calling.client.service_is_ready)
+        wait_for(lambda: meet_service(calling, calling.client, wait_until))  # the graph knows its node a moment later
+        assert server.count == 0
+        answer = calling.client.call_async(Trigger.Request())
+        wait_for(answer.done)
+        assert server.count == 1
+        wait_for(lambda: len(list(calling.clients)) == 1)
+
+
+def test_a_service_beside_no_parameters_is_not_waited_for():
+    with running(Silent, Calling) as (_, calling):
+        wait_for(calling.client.service_is_ready)
+        began = time.monotonic()
+        assert not meet_service(calling, calling.client, wait_until)
+        assert time.monotonic() - began < PERIOD
+
+
+def test_a_service_that_answers_nothing_counts_as_busy():
+    with running(Calling) as calling:
+        busy = Node("busy", context=calling.context)  # nobody spins it
+        busy.create_service(Trigger, "trigger", lambda _, response: response)
+        wait_for(calling.client.service_is_ready)
+        assert not meet_service(calling, calling.client, wait_until)
+        busy.destroy_node()
+
+
+def test_an_answer_that_does_not_come_ends_a_call_in_a_notebook():
+    session = Session(Namespace())
+    session.in_notebook = True
+    with pytest.raises(CommandError, match=r"no answer within 0\.1 s"):
+        outcome(session, Future(), lambda: True, "calling service", "it has gone", timeout=0.1)
+    with pytest.raises(CommandError, match="it has gone"):
+        outcome(session, Future(), lambda: False, "calling service", "it has gone", timeout=30.0)

@@ -27,7 +27,17 @@ FOLDER = ROOT / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
 PAGES = [FOLDER / START, *NOTEBOOKS]  # the chapters, and what is run as they are
 LOOPBACK_ONLY = ["unshare", "--net", "--", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
-NBVAL = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-q"]
+CELL_TIMEOUT = 400  # seconds: a cell that hangs is named
+NBVAL = [
+    sys.executable,
+    "-m",
+    "pytest",
+    "--nbval",
+    f"--nbval-cell-timeout={CELL_TIMEOUT}",
+    "-p",
+    "no:cacheprovider",
+    "-q",
+]
 LINES = 15
 
 of_each_page = pytest.mark.parametrize("path", PAGES, ids=[path.stem for path in PAGES])

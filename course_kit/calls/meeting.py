@@ -1,29 +1,65 @@
-"""A new action client and its server, until the server has found the client: before, its answers are lost."""
+"""A new client and its server, until the server has found the client: before, its answers are lost."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
+from rcl_interfaces.srv import GetParameters  # type: ignore[import-untyped]
 from rclpy.action.client import ClientGoalHandle
+from rclpy.client import Client
+from rclpy.node import Node, NodeNameNonExistentError
 from unique_identifier_msgs.msg import UUID  # type: ignore[import-untyped]
 
 MEET_TIMEOUT = 2.0  # seconds after which a server counts as busy
 PERIOD = 0.5  # seconds from one request to the next while no answer comes
+Until = Callable[[Callable[[], Any], float], Any]  # waits for a condition, in seconds; tells whether it holds
 
 
-def meet_server(client: Any, until: Callable[[Callable[[], Any], float], Any]) -> bool:
+def meet_server(client: Any, until: Until) -> bool:
     """Ask for the result of a goal that nobody has sent, until it is answered; False if the server is too busy for it.
 
     The server answers at once that it does not know the goal, and what a process makes is announced in order: so it
-    knows what answers to a goal come to as well. `until(condition, timeout)` waits in seconds, and tells whether it
-    holds. The client is ready, and spins elsewhere.
+    knows what answers to a goal come to as well. The client is ready, and spins elsewhere.
     """
     unknown = ClientGoalHandle(client, UUID(uuid=list(os.urandom(16))), None)
+    return _is_answered(unknown.get_result_async, until)
+
+
+def meet_service(node: Node, client: Client, until: Until) -> bool:
+    """Ask the node that offers a service for no parameters, until it answers; False if it is too busy or has none.
+
+    The client of the parameters is made after the service's, so a node that answers it knows both. The node with the
+    client spins elsewhere.
+    """
+    if (name := _parameters_beside(node, node.resolve_service_name(client.srv_name))) is None:
+        return False
+    asking = node.create_client(GetParameters, name)
+    try:
+        is_ready = until(asking.service_is_ready, PERIOD)
+        return bool(is_ready and _is_answered(lambda: asking.call_async(GetParameters.Request()), until))
+    finally:
+        if node.executor is not None:  # in its thread: what is destroyed while it is waited on raises
+            node.executor.create_task(node.destroy_client, asking)
+
+
+def _parameters_beside(node: Node, service: str) -> str | None:
+    """The service for parameters of the node that offers a service."""
+    for name, namespace in node.get_node_names_and_namespaces():
+        with suppress(NodeNameNonExistentError):  # it has ended meanwhile
+            offered = {one for one, _ in node.get_service_names_and_types_by_node(name, namespace)}
+            parameters = f"{namespace.rstrip('/')}/{name}/get_parameters"
+            if {service, parameters} <= offered:
+                return parameters
+    return None
+
+
+def _is_answered(ask: Callable[[], Any], until: Until) -> bool:
     answers: list[Any] = []
     for _ in range(round(MEET_TIMEOUT / PERIOD)):
-        unknown.get_result_async().add_done_callback(answers.append)
+        ask().add_done_callback(answers.append)
         if until(lambda: answers, PERIOD):
             return True
     return False

@@ -14,7 +14,7 @@ from typing import Any
 from course_kit.calls.goals import STATES
 from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import ACTIONS
-from course_kit.ros2.servers import outcome, wait_for_server
+from course_kit.ros2.servers import ANSWER_TIMEOUT, outcome, wait_for_server
 from course_kit.ros2.session import Session, handling
 from course_kit.ros2.verbs import CommandError, Verb, failing, flag, one_line, yaml_values
 
@@ -69,7 +69,7 @@ def _follow(session: Session, args: Namespace, client: Any, goal: Any) -> None:
 
     session.print(f"Sending goal:\n     {to_yaml(goal)}")
     sending = client.send_goal_async(goal, feedback.put if args.feedback else None)
-    handle = outcome(session, sending, client.server_is_ready, "sending goal", lost)
+    handle = outcome(session, sending, client.server_is_ready, "sending goal", lost, timeout=ANSWER_TIMEOUT)
     if not handle.accepted:
         session.print("Goal was rejected.")
         return

@@ -8,13 +8,14 @@ from contextlib import ExitStack
 
 from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import SERVICES
-from course_kit.ros2.servers import outcome, wait_for_server
+from course_kit.ros2.servers import ANSWER_TIMEOUT, outcome, wait_for_server
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import LONGEST, CommandError, Verb, argument, failing, number, one_line, yaml_values
 
 
 def _run(args: Namespace, session: Session) -> None:
     session.join()
+    from course_kit.calls.meeting import meet_service
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
     from course_kit.watching.instruments import client_of
@@ -33,6 +34,7 @@ def _run(args: Namespace, session: Session) -> None:
         if not is_ready():
             session.print("waiting for service to become available...")
             wait_for_server(session, "service", full_name, args.service_type, is_ready, node.count_services)
+        meet_service(node, client, session.until)
         while True:
             stamp(times, *node.get_clock().now().seconds_nanoseconds())
             session.print(f"requester: making request: {request!r}\n")
@@ -40,7 +42,7 @@ def _run(args: Namespace, session: Session) -> None:
             future = client.call_async(request)
             try:
                 lost = f"the server of '{full_name}' ended before it answered"
-                response = outcome(session, future, is_ready, "calling service", lost)
+                response = outcome(session, future, is_ready, "calling service", lost, timeout=ANSWER_TIMEOUT)
             finally:
                 client.remove_pending_request(future)
             session.print(f"response:\n{response!r}\n")
