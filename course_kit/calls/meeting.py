@@ -8,10 +8,8 @@ from contextlib import suppress
 from typing import Any
 
 from rcl_interfaces.srv import GetParameters  # type: ignore[import-untyped]
-from rclpy.action.client import ClientGoalHandle
 from rclpy.client import Client
 from rclpy.node import Node, NodeNameNonExistentError
-from unique_identifier_msgs.msg import UUID  # type: ignore[import-untyped]
 
 MEET_TIMEOUT = 2.0  # seconds after which a server counts as busy
 PERIOD = 0.5  # seconds from one request to the next while no answer comes
@@ -24,6 +22,9 @@ def meet_server(client: Any, until: Until) -> bool:
     The server answers at once that it does not know the goal, and what a process makes is announced in order: so it
     knows what answers to a goal come to as well. The client is ready, and spins elsewhere.
     """
+    from rclpy.action.client import ClientGoalHandle  # a service's client needs neither this nor numpy
+    from unique_identifier_msgs.msg import UUID  # type: ignore[import-untyped]
+
     unknown = ClientGoalHandle(client, UUID(uuid=list(os.urandom(16))), None)
     return _is_answered(unknown.get_result_async, until)
 
