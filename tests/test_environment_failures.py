@@ -7,7 +7,6 @@ import shutil
 import socket
 import ssl
 import subprocess
-import threading
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -18,6 +17,7 @@ import pytest
 
 from course_kit.environment import failure
 from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy, fresh_environ
+from tests.http_server import serving
 from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
@@ -133,13 +133,8 @@ class Index(BaseHTTPRequestHandler):
 
 @pytest.fixture
 def server() -> Iterator[ThreadingHTTPServer]:
-    with ThreadingHTTPServer(("127.0.0.1", 0), Index) as server:
-        server.asked = []  # type: ignore[attr-defined]
-        thread = threading.Thread(target=server.serve_forever, args=[0.05])
-        thread.start()
+    with serving(Index) as server:
         yield server
-        server.shutdown()
-        thread.join()
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import re
 import shutil
 import subprocess
 import sys
-import threading
 import zipfile
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -26,6 +25,7 @@ from course_kit.environment import additions, levels, pins, stamp
 from course_kit.environment.interpreter import applicable
 from course_kit.environment.levels import GRADING, STUDENT, TEST
 from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy, fresh_environ
+from tests.http_server import serving
 
 THIS = sys.version_info[:2]
 UV = next(iter(ROOT.glob("build/uv-*/bin/uv")), None) or shutil.which("uv")
@@ -200,13 +200,8 @@ class Index(SimpleHTTPRequestHandler):
 
 @pytest.fixture
 def index(tmp_path) -> Iterator[ThreadingHTTPServer]:
-    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Index, directory=str(tmp_path / "index"))) as server:
-        server.asked = []  # type: ignore[attr-defined]
-        thread = threading.Thread(target=server.serve_forever, args=[0.05])
-        thread.start()
+    with serving(partial(Index, directory=str(tmp_path / "index"))) as server:
         yield server
-        server.shutdown()
-        thread.join()
 
 
 @pytest.fixture

@@ -11,6 +11,8 @@ from rcl_interfaces.srv import GetParameters  # type: ignore[import-untyped]
 from rclpy.client import Client
 from rclpy.node import Node, NodeNameNonExistentError
 
+from course_kit.watching.instruments import client_of
+
 MEET_TIMEOUT = 2.0  # seconds after which a server counts as busy
 PERIOD = 0.5  # seconds from one request to the next while no answer comes
 Until = Callable[[Callable[[], Any], float], Any]  # waits for a condition, in seconds; tells whether it holds
@@ -37,13 +39,9 @@ def meet_service(node: Node, client: Client, until: Until) -> bool:
     """
     if (name := _parameters_beside(node, node.resolve_service_name(client.srv_name))) is None:
         return False
-    asking = node.create_client(GetParameters, name)
-    try:
+    with client_of(node, GetParameters, name) as asking:
         is_ready = until(asking.service_is_ready, PERIOD)
         return bool(is_ready and _is_answered(lambda: asking.call_async(GetParameters.Request()), until))
-    finally:
-        if node.executor is not None:  # in its thread: what is destroyed while it is waited on raises
-            node.executor.create_task(node.destroy_client, asking)
 
 
 def _parameters_beside(node: Node, service: str) -> str | None:

@@ -39,6 +39,7 @@
 enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 initializing */
 #define HEX_DIGITS 16              /* of the name of a data segment */
 #define PERIOD_MS 250              /* between two looks at the folder */
+#define MAPPINGS_MS 1000           /* between two looks at the mappings of this process, which take the kernel longer */
 #define NEW_S 1.0                  /* a younger file may still be made, which takes microseconds, by one who has it */
 #define UNUSED_S 0.1               /* the same where nobody has it, unless its maker is out of sight in a container */
 #define SMALLEST 4096              /* a file without a length gets this one, so that it can be mapped */
@@ -201,8 +202,20 @@ static void write_port(const struct port *port, size_t offset, unsigned char val
     (void)written; /* it has been unmapped */
 }
 
+/* The suspects of one look, and of the one before it. */
+struct looks {
+    struct suspect before[SUSPECTS], found[SUSPECTS];
+    int count;
+};
+
+static void end_look(struct looks *looks) {
+    memcpy(looks->before, looks->found, sizeof looks->before);
+    memset(looks->found, 0, sizeof looks->found);
+    looks->count = 0;
+}
+
 /* Has a recovery come to its end if one thread holds the mutex of a port out of order at two looks. */
-static void end_recovery(const struct port *port, const struct suspect *before, struct suspect *found, int *count) {
+static void end_recovery(const struct port *port, struct looks *looks) {
     struct {
         unsigned lock, count;
         int holder;
@@ -216,8 +229,8 @@ static void end_recovery(const struct port *port, const struct suspect *before, 
         return;
     int is_known = 0;
     for (int index = 0; index < SUSPECTS; index++)
-        is_known |= before[index].port == port->id && before[index].holder == mutex.holder;
-    if (*count < SUSPECTS) found[(*count)++] = (struct suspect){port->id, mutex.holder};
+        is_known |= looks->before[index].port == port->id && looks->before[index].holder == mutex.holder;
+    if (looks->count < SUSPECTS) looks->found[looks->count++] = (struct suspect){port->id, mutex.holder};
     for (size_t index = 0; is_known && index < LISTENERS_LOOKED_AT; index++) {
         size_t offset = LISTENERS + index * LISTENER_SIZE;
         unsigned char state;
@@ -226,12 +239,10 @@ static void end_recovery(const struct port *port, const struct suspect *before, 
     }
 }
 
-/* Ends the recoveries on the ports of this user, and on those that only this process still has. */
-static void end_recoveries(void) {
-    static _Thread_local struct suspect before[SUSPECTS];
-    struct suspect found[SUSPECTS] = {0};
-    int count = 0;
-    char line[1024], rest[2];
+/* Ends the recoveries on the ports of this user, whichever process is in them. */
+static void end_recoveries_on_files(void) {
+    static struct looks looks;
+    char rest[2];
     struct port port;
     DIR *folder = opendir(FOLDER);
     struct dirent *entry;
@@ -242,23 +253,30 @@ static void end_recoveries(void) {
         if (port.file < 0) continue;
         if (!fstat(port.file, &opened) && opened.st_uid == geteuid()) {
             port.id = opened.st_ino;
-            end_recovery(&port, before, found, &count);
+            end_recovery(&port, &looks);
         }
         close(port.file);
     }
     if (folder) closedir(folder);
-    port.file = -1;
+    end_look(&looks);
+}
+
+/* Ends the recoveries on ports that have been removed, and that this process still has. */
+static void end_recoveries_on_mappings(void) {
+    static struct looks looks;
+    char line[1024];
+    struct port port = {.file = -1};
     FILE *maps = fopen("/proc/self/maps", "re");
     while (maps && fgets(line, sizeof line, maps)) {
         const char *name = strstr(line, FOLDER "/" PORT_PREFIX);
         if (name && strstr(name, " (deleted)") && sscanf(line, "%zx", &port.address) == 1 &&
             sscanf(name, FOLDER "/" PORT_PREFIX "%u", &port.number) == 1) {
             port.id = port.address;
-            end_recovery(&port, before, found, &count);
+            end_recovery(&port, &looks);
         }
     }
     if (maps) fclose(maps);
-    memcpy(before, found, sizeof found);
+    end_look(&looks);
 }
 
 /* ---- All that is healed */
@@ -328,7 +346,7 @@ static void take_signals(void) {
 
 static void *run(void *nothing) {
     struct pollfd heard = {signals[0], POLLIN, 0};
-    double next_look = 0;
+    double next_look = 0, next_mappings = 0;
     while (1) {
         pthread_mutex_lock(&lock);
         take_signals();
@@ -342,8 +360,12 @@ static void *run(void *nothing) {
         }
         if (time >= next_look) {
             watchdog_heal();
-            end_recoveries();
+            end_recoveries_on_files();
             next_look = time + PERIOD_MS / 1e3;
+        }
+        if (time >= next_mappings) {
+            end_recoveries_on_mappings();
+            next_mappings = time + MAPPINGS_MS / 1e3;
         }
         poll(&heard, 1, wait);
     }

@@ -1,4 +1,4 @@
-"""What a higher level has that this environment lacks, and its installation by set-up.
+"""Packages of a higher level that this environment lacks, and their installation by set-up.
 
 python -m course_kit.environment.additions LEVEL    exit status 1: something is lacking; it is told in one line
 """
@@ -22,7 +22,7 @@ WITH_GRADING = f"./{SCRIPT} lab --with-grading"
 
 
 class NotAdded(ValueError):  # noqa: N818  (reads as what happened)
-    """What is lacking could not be installed; the text says why and what to do, or nothing if set-up has said it."""
+    """Packages that are lacking could not be installed; the text says why and what to do, unless set-up has."""
 
 
 def lacking(level: str) -> list[str]:
@@ -78,13 +78,13 @@ def _obstacle(level: str, root: Path, environ: Mapping[str, str]) -> str:
 
 
 def _by_hand(level: str) -> str:
-    """What to do in an environment that set-up has not made."""
+    """Return the cure for an environment that set-up has not made."""
     cure = f"{sys.executable} -m pip install -e '.[{level}]'"
     return f"Set-up leaves {sys.prefix} as it is, for it has not made it. In the course's folder: {cure}"
 
 
 def main(level: str) -> str | None:
-    """What the script asks of an environment that it has not made: what it lacks, in one line."""
+    """Tell the script in one line what an environment lacks that it has not made; None if it lacks nothing."""
     missing = lacking(level)
     return f"environment-check: {_lacks(missing)}. {_by_hand(level)}" if missing else None
 

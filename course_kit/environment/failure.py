@@ -127,7 +127,7 @@ def fullest(folders: list[Path]) -> tuple[int, Path]:
 def explain(what: str, log: Path, again: str, environ: Mapping[str, str]) -> str:
     """Five lines at most: what failed, in the tool's words too; the likeliest cause; the cure; where all of it is.
 
-    What another command than set-up has begun is told in one line, without the tool's words.
+    The failure of another command than set-up is told in one line, without the tool's words.
     """
     cache = environ.get("UV_CACHE_DIR") or os.path.join(environ.get("HOME", "/"), ".cache")
     free, folder = fullest([log.parent.absolute(), Path(cache), Path(tempfile.gettempdir())])

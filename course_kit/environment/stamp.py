@@ -85,7 +85,7 @@ def state(root: Path, environ: Mapping[str, str], python: tuple[int, int], level
 
 
 def main(question: str, level: str = STUDENT) -> object:
-    """What the script asks."""
+    """Answer a question of the script."""
     here = ROOT, os.environ, sys.version_info[:2]
     there = level_of(ROOT / ".venv")
     if question == "state":
