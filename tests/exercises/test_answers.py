@@ -15,19 +15,26 @@ pytestmark = pytest.mark.timeout(400)
 
 
 @pytest.fixture(scope="module")
-def notebook_of() -> Iterator[Callable[[str], Chapter]]:
-    """Opens the notebook of an exercise's chapter, once for a group: another's answers are not in its workspace."""
+def notebook_of() -> Iterator[Callable[[str, str], Chapter]]:
+    """Opens the notebook of an exercise's chapter, once for a group: no other group's answers are in its workspace."""
     with ExitStack() as stack:
         opened: dict[str, Chapter] = {}
 
-        def notebook(exercise: str) -> Chapter:
-            if exercise not in opened:
+        def notebook(exercise: str, group: str) -> Chapter:
+            if group not in opened:
                 stack.close()
                 opened.clear()
-                opened[exercise] = stack.enter_context(chapter(exercise.rpartition("-")[0]))
-            return opened[exercise]
+                opened[group] = stack.enter_context(chapter(exercise.rpartition("-")[0]))
+                opened[group].begin(exercise)
+            return opened[group]
 
         yield notebook
+
+
+@pytest.fixture
+def notebook(notebook_of: Callable[[str, str], Chapter], answers: Answers, request: pytest.FixtureRequest) -> Chapter:
+    mark = request.node.get_closest_marker("xdist_group")
+    return notebook_of(answers.exercise, mark.args[0])
 
 
 BUILDS = pytest.mark.slow("each answer builds a package")
@@ -63,17 +70,16 @@ def every_answer() -> Iterator[Any]:
 
 @BY_TURNS
 @pytest.mark.parametrize("answers", list(every_exercise()))
-def test_untouched_is_not_begun(notebook_of: Callable[[str], Chapter], answers: Answers):
-    notebook = notebook_of(answers.exercise)
-    shown = notebook.answer(answers.exercise, notebook.source("answer", answers.exercise))
+def test_untouched_is_not_begun(notebook: Chapter, answers: Answers):
+    shown = notebook.begin(answers.exercise)
     assert shown.splitlines()[0].endswith(": not begun"), shown
     assert shown == notebook.committed(answers.exercise)
 
 
 @BY_TURNS
 @pytest.mark.parametrize(("answers", "source", "points", "hint"), list(every_answer()))
-def test_answer(notebook_of: Callable[[str], Chapter], answers: Answers, source: str, points: int, hint: str):
-    judge(notebook_of(answers.exercise).answer(answers.exercise, source), points, answers.points, hint)
+def test_answer(notebook: Chapter, answers: Answers, source: str, points: int, hint: str):
+    judge(notebook.answer(answers.exercise, source), points, answers.points, hint)
 
 
 def test_every_exercise_has_three_wrong_answers_at_least():
