@@ -19,7 +19,7 @@ from std_msgs.msg import Int32, String
 from course_kit.spinning import context, errors
 from course_kit.watching import instruments, topics
 from tests.senders import Sender
-from tests.waiting import wait_until
+from tests.waiting import interrupted_when, wait_until
 
 
 @pytest.fixture
@@ -235,6 +235,15 @@ def test_two_types_on_one_topic_are_named_with_their_nodes(talker: Node) -> None
             instruments.subscribe("/mixed", print)
     assert "std_msgs/msg/Int32 from /sender_of_int" in str(error.value)
     assert "std_msgs/msg/String from /talker" in str(error.value)
+
+
+def test_a_subscription_that_is_interrupted_before_it_has_all_publishers_ends(talker: Node) -> None:
+    publisher = talker.create_publisher(String, "/mixed", 10)
+    with Sender("/mixed", "int"):  # with whom a subscription to strings never matches
+        wait_until(lambda: talker.count_publishers("/mixed") == 2)
+        with interrupted_when(lambda: publisher.get_subscription_count() == 1):
+            instruments.subscribe("/mixed", print, String)
+    wait_until(lambda: publisher.get_subscription_count() == 0)
 
 
 @pytest.mark.parametrize(

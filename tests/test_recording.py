@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import gc
-import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -27,7 +25,7 @@ from course_kit.recordings.topic_recording import TopicRecording
 from course_kit.spinning import context
 from course_kit.watching import instruments
 from tests.senders import DIGITS, PLACES, Sender
-from tests.waiting import wait_until
+from tests.waiting import interrupted_when, wait_until
 
 
 @pytest.fixture
@@ -279,18 +277,8 @@ def test_bad_input_is_answered_in_one_line(wanted: tuple[Any, ...], options: dic
 def test_an_interrupted_cell_ends_its_recording(robot: Node) -> None:
     publisher = robot.create_publisher(String, "/chatter", 10)
 
-    def interrupt() -> None:
-        wait_until(lambda: publisher.get_subscription_count() == 1)
-        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
-
-    # A shell that runs the tests in the background has them ignore SIGINT; a kernel never does.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        threading.Thread(target=interrupt).start()
-        with pytest.raises(KeyboardInterrupt):
-            record("/chatter", seconds=60)
-    finally:
-        signal.signal(signal.SIGINT, before)
+    with interrupted_when(lambda: publisher.get_subscription_count() == 1):
+        record("/chatter", seconds=60)
     wait_until(lambda: publisher.get_subscription_count() == 0)
 
 

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import inspect
+import signal
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
+
+import pytest
 
 from course_kit import polling
 
@@ -23,6 +28,19 @@ def wait_until(
     value = polling.wait_until(condition, timeout, PAUSE, pause)
     assert value, f"waited {timeout:g} s in vain for {what or _code(condition)}"
     return value
+
+
+@contextmanager
+def interrupted_when(condition: Callable[[], Any]) -> Iterator[None]:
+    """Interrupt the block, as Ctrl-C does, once a condition is true; the block must raise KeyboardInterrupt."""
+
+    def interrupt() -> None:
+        wait_until(condition)
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    with pytest.raises(KeyboardInterrupt):
+        yield
 
 
 def _code(condition: Callable[[], Any]) -> str:

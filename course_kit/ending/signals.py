@@ -7,7 +7,10 @@ import os
 import signal
 import stat
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import TypeVar
+
+Made = TypeVar("Made")
 
 
 def asking_to_end() -> list[signal.Signals]:
@@ -49,3 +52,16 @@ def put_off() -> Iterator[None]:
             signal.signal(each, handler)
         if came:
             signal.raise_signal(came[0])
+
+
+def whole(make: Callable[[], Made], end: Callable[[Made], object]) -> Made:
+    """Make something in a short time. Ctrl-C waits, and then ends it: the caller has nothing to end."""
+    made: list[Made] = []
+    try:
+        with put_off():
+            made.append(make())
+    except BaseException:
+        for one in made:
+            end(one)
+        raise
+    return made[0]

@@ -103,7 +103,11 @@ def subscribe(
     if not with_kept:
         qos.durability = DurabilityPolicy.VOLATILE
     subscription = watcher.subscribe(name, message_type, qos, callback)
-    wait_until(lambda: subscription.publisher_count >= len(published), topics.MATCH_TIMEOUT)
+    try:
+        wait_until(lambda: subscription.publisher_count >= len(published), topics.MATCH_TIMEOUT)
+    except BaseException:  # Ctrl-C: the caller has nothing to close
+        subscription.close()
+        raise
     return subscription
 
 

@@ -16,6 +16,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 
+from course_kit.ending.signals import whole
 from course_kit.internals import going_on_without
 from course_kit.internals.rclpy_message_parts import Taker, reception
 from course_kit.watching import topics
@@ -166,11 +167,15 @@ class Watcher:
         self, topic: str, message_type: Any, qos: QoSProfile, callback: Callback, on_refused: Refused | None = None
     ) -> RawSubscription:
         """Open a subscription; its callback gets (bytes, message info)."""
-        subscription = RawSubscription(self, topic, message_type, qos, callback, on_refused)
-        with self._lock:
-            self._subscriptions = (*self._subscriptions, subscription)
-        self.wake()
-        return subscription
+
+        def opened() -> RawSubscription:
+            subscription = RawSubscription(self, topic, message_type, qos, callback, on_refused)
+            with self._lock:
+                self._subscriptions = (*self._subscriptions, subscription)
+            self.wake()
+            return subscription
+
+        return whole(opened, RawSubscription.close)
 
     def wake(self) -> None:
         """Have the thread look at its subscriptions anew."""
