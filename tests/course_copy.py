@@ -9,9 +9,15 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 BASE_PYTHON = str(Path(sys.base_prefix, f"bin/python{sys.version_info[0]}.{sys.version_info[1]}"))
 PARTS = ("environment-check.sh", "pyproject.toml", "README.md", "LICENSE", "course_kit", "notebooks", "tests")
+SET_UP = ("environment-check.sh", "pyproject.toml", "README.md", "LICENSE", "course_kit")  # all that it needs
+UV = next(iter(ROOT.glob("build/uv-*/bin/uv")), None) or shutil.which("uv")
+needs_uv = pytest.mark.skipif(UV is None, reason="there is no uv here: the environment of the tests was made with pip")
+needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount")
 # What activation and this test process have set, and a fresh terminal has not.
 ACTIVATED = ("AMENT_", "CMAKE_", "COURSE_KIT_", "FASTDDS_", "FASTRTPS_", "LD_LIBRARY_PATH", "PYTHON", "ROS_", "_ROS_")
 

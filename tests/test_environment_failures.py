@@ -16,24 +16,20 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from course_kit.environment import failure
-from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy, fresh_environ
+from tests.course_copy import BASE_PYTHON, SET_UP, UV, CourseCopy, fresh_environ, needs_root, needs_uv
 from tests.http_server import serving
 from tests.terminal import CTRL_C, Terminal
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.by_turns("many nodes and programs")
 
-UV = next(iter(ROOT.glob("build/uv-*/bin/uv")), None) or shutil.which("uv")
 STORE = "/etc/ssl/certs/ca-certificates.crt"
 OF_THE_NETWORK = ("_PROXY", "_proxy", "SSL_CERT_", "_CA_BUNDLE", "PIP_", "UV_")
-
-needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount")
-needs_uv = pytest.mark.skipif(UV is None, reason="there is no uv here: the environment of the tests was made with pip")
 
 
 @pytest.fixture
 def course(tmp_path) -> CourseCopy:
-    return CourseCopy(tmp_path, parts=("environment-check.sh", "pyproject.toml", "README.md", "LICENSE", "course_kit"))
+    return CourseCopy(tmp_path, parts=SET_UP)
 
 
 @pytest.fixture(scope="module")

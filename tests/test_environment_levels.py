@@ -24,13 +24,10 @@ from packaging.requirements import Requirement
 from course_kit.environment import additions, levels, pins, stamp
 from course_kit.environment.interpreter import applicable
 from course_kit.environment.levels import GRADING, STUDENT, TEST
-from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy, fresh_environ
+from tests.course_copy import BASE_PYTHON, ROOT, SET_UP, UV, CourseCopy, fresh_environ, needs_root, needs_uv
 from tests.http_server import serving
 
 THIS = sys.version_info[:2]
-UV = next(iter(ROOT.glob("build/uv-*/bin/uv")), None) or shutil.which("uv")
-needs_uv = pytest.mark.skipif(UV is None, reason="there is no uv here: the environment of the tests was made with pip")
-needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can mount")
 
 
 # ---- what belongs to which
@@ -132,7 +129,7 @@ def test_the_grader_begins_without_them(modules):
 
 @pytest.fixture
 def course(tmp_path) -> CourseCopy:
-    return CourseCopy(tmp_path, parts=("environment-check.sh", "pyproject.toml", "README.md", "LICENSE", "course_kit"))
+    return CourseCopy(tmp_path, parts=SET_UP)
 
 
 def finish(course: CourseCopy, level: str) -> None:
