@@ -163,4 +163,5 @@ ANSWERS = Answers(
         Wrong("teleports", TELEPORTS, 1, "by teleports"),
     ],
     STAR_STYLES,
+    together=7,
 )

@@ -194,4 +194,5 @@ ANSWERS = Answers(
         ),
     ],
     {"own_mapper": with_own("mapper", OWN_MAPPER), "own_navigator": with_own("navigator", OWN_NAVIGATOR)},
+    together=3,
 )

@@ -184,5 +184,6 @@ ANSWERS = [
             ),
         ],
         {"own_grid": OWN_GRID, "given_parts": GIVEN_PARTS},
+        together=5,
     ),
 ]

@@ -28,13 +28,11 @@ LINE_END = "\n"
 MAGIC = re.compile(r"%%(\w+) ?(.*)\n((?:.|\n)*)")
 CELL_TIMEOUT = 240.0  # some build a package
 CHECK_TIMEOUT = 300.0
-TOGETHER = 10  # answers to an exercise, in one kernel: a minute or two
 
 
-def group_of(exercise: str, number: int = 0) -> str:
-    """The tests that run one after another, in one kernel: so many answers to an exercise; those of an answer."""
-    part = f", part {1 + number // TOGETHER}" if number >= TOGETHER else ""
-    return f"exercise {exercise}{part}"
+def group_of(exercise: str, part: int = 1) -> str:
+    """The tests that run one after another, in one kernel: a part of the answers to an exercise."""
+    return f"exercise {exercise}" + (f", part {part}" if part > 1 else "")
 
 
 @dataclass(frozen=True)
@@ -56,6 +54,11 @@ class Answers:
     reference: str
     wrong: list[Wrong] = field(default_factory=list)
     right: dict[str, str] = field(default_factory=dict)
+    together: int = 10  # in one kernel, one after another: three minutes at most
+
+    def group(self, number: int) -> str:
+        """The group of the answer of this number, counting the wrong ones and then the right ones."""
+        return group_of(self.exercise, 1 + number // self.together)
 
 
 def solved(exercise: str) -> Worked:

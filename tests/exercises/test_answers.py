@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from course_kit.exercises import CHAPTERS
-from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, group_of, judge
+from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, judge
 
 pytestmark = pytest.mark.timeout(400)
 
@@ -44,7 +44,7 @@ FURTHER = pytest.mark.slow("the reference and the first wrong answer show that t
 
 def row(answers: Answers, number: int, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
     """The parameters of one test; those of a group run one after another, in one kernel."""
-    marks = [pytest.mark.xdist_group(group_of(answers.exercise, number)), *marks]
+    marks = [pytest.mark.xdist_group(answers.group(number)), *marks]
     return pytest.param(answers, *values, id=id, marks=marks)
 
 
