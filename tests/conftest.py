@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests import leftovers
-from tests.domains import give_back, own_domain, use_own_domain
+from tests.domains import own_domain, use_own_domain
 from tests.durations import Durations
 from tests.landings import PARTS, commit, half, landed, turn
 from tests.report import Report
@@ -152,8 +152,7 @@ def fresh_domain() -> Iterator[None]:
     from course_kit.spinning import context
 
     context.stop()
-    with own_domain() as domain:
+    with own_domain():
         yield
         context.stop()
-    gc.collect()  # a participant stays in the domain until the handles of its nodes become garbage
-    give_back(domain)
+        gc.collect()  # a participant stays in the domain until the handles of its nodes become garbage

@@ -40,16 +40,21 @@ def reserve_domain() -> int:
     raise RuntimeError(f"{len(OF_TESTS)} test processes run already: no ROS domain is left")
 
 
-def give_back(domain: int) -> None:
-    """Leave a domain to others: there is no node in it any more."""
+@contextmanager
+def reserved_domain() -> Iterator[int]:
+    """A domain of one's own, in which nothing is left at the end of the block: then it is given back."""
+    domain = reserve_domain()
+    yield domain
     _locks.pop(domain).close()
 
 
 @contextmanager
 def own_domain() -> Iterator[int]:
-    """A ROS domain without the nodes that other tests of this process have left."""
-    domain = reserve_domain()
-    with pytest.MonkeyPatch.context() as patch:
+    """A ROS domain without the nodes that other tests of this process have left: this process and its children use it.
+
+    Nothing is left in it at the end of the block.
+    """
+    with reserved_domain() as domain, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
         yield domain
 

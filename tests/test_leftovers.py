@@ -63,12 +63,18 @@ def segments(pids: list[int]) -> list[Path]:
     return [path for pid in pids for path in made_by(pid)]
 
 
+@pytest.fixture
+def domain() -> Iterator[int]:
+    with own_domain() as domain:
+        yield domain
+
+
 @pytest.mark.parametrize("how", ENDS)
 @pytest.mark.parametrize("what", PROGRAMS)
-def test_nothing_is_left(what: str, how: str, tmp_path: Path) -> None:
+def test_nothing_is_left(what: str, how: str, domain: int, tmp_path: Path) -> None:
     (tmp_path / "two.launch.py").write_text(LAUNCH)
     words = [word.format(folder=tmp_path) for word in PROGRAMS[what]]
-    with own_domain() as domain, Terminal([*COMMAND, *words]) as terminal:
+    with Terminal([*COMMAND, *words]) as terminal:
         participants = 2 if what == "a launch" else 1
         wait_until(lambda: len(segments(family(terminal.process.pid))) >= 2 * participants, pause=terminal._read)
         pids = family(terminal.process.pid)
@@ -120,9 +126,9 @@ def assert_gone(left: list[Path], domain: int, is_sudden: bool) -> None:
 
 
 @pytest.mark.parametrize("how", ["properly", *SIGNALS])
-def test_nothing_of_a_kernel_is_left(how: str) -> None:
+def test_nothing_of_a_kernel_is_left(how: str, domain: int) -> None:
     """A kernel with a node and a checker. ipykernel handles no signal of its end, so each is as sudden as kill -9."""
-    with own_domain() as domain, observer_in(domain) as observer:
+    with observer_in(domain) as observer:
         kernel = Kernel()
         kernel.run(WORK, 60.0)
         pid = int(kernel.text(kernel.run("import os; print(os.getpid())")))
@@ -166,8 +172,8 @@ def run_in_new_kernel(address: str, code: str) -> int:
 
 
 @pytest.mark.parametrize("how", SIGNALS)
-def test_nothing_of_a_jupyterlab_is_left(how: str, tmp_path: Path) -> None:
-    with own_domain() as domain, lab.server(tmp_path, tmp_path) as address:
+def test_nothing_of_a_jupyterlab_is_left(how: str, domain: int, tmp_path: Path) -> None:
+    with lab.server(tmp_path, tmp_path) as address:
         kernel = run_in_new_kernel(address, WORK)
         server = psutil.Process(kernel).ppid()
         pids = family(server)

@@ -103,8 +103,8 @@ def test_a_view_that_is_opened_and_closed_leaves_nothing(kernel: Kernel, kind: s
     opened_and_closed(kernel, kind, 10)
 
 
-@pytest.mark.slow(reason="200 times each kind takes a minute or two")
+@pytest.mark.slow(reason="100 times each kind takes up to a minute")
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_view_that_is_opened_and_closed_two_hundred_times_leaves_nothing(kernel: Kernel, kind: str) -> None:
-    opened_and_closed(kernel, kind, 200)
+def test_a_view_that_is_opened_and_closed_a_hundred_times_leaves_nothing(kernel: Kernel, kind: str) -> None:
+    opened_and_closed(kernel, kind, 100)

@@ -18,7 +18,7 @@ from course_kit.grading import master
 from course_kit.grading.master import mark_of
 from course_kit.grading.rebuild import START, prerequisites
 from course_kit.solving.worked import Worked, find
-from tests.domains import own_domain
+from tests.domains import reserved_domain
 from tests.kernel import Kernel
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
@@ -156,8 +156,9 @@ def chapter(name: str) -> Iterator[Chapter]:
     """The kernel of a chapter, such as "topics", run up to the exercises; its folder, state and domain are its own."""
     path, answers = FOLDER / f"{NOTEBOOKS[name]}.ipynb", answers_to(name)
     prepare = getattr(answers, "PREPARE", "")
-    with tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
-        with own_domain(), pytest.MonkeyPatch.context() as patch:
+    with reserved_domain() as domain, tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("ROS_DOMAIN_ID", str(domain))
             patch.setenv("XDG_STATE_HOME", state)
             kernel = Kernel(Path(folder))
         try:
