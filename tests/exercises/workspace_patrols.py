@@ -249,5 +249,6 @@ ANSWERS = [
             Wrong("keeps_refused", patrol(KEEPS_REFUSED), 4, "keeps nothing of what it refuses"),
         ],
         {"by_time": patrol(BY_TIME, GROUPED_LAUNCH), "aslant": patrol(ASLANT, yaml=BOTH_NODES)},
+        together=4,
     ),
 ]
