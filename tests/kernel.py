@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import tempfile
 import time
+import uuid
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from queue import Empty
@@ -14,12 +16,17 @@ from jupyter_client.manager import KernelManager
 Message = dict[str, Any]
 
 
+def own_sockets() -> dict[str, str]:
+    """What has a KernelManager use sockets in files: ports that were free may be taken when its kernel has started."""
+    return {"transport": "ipc", "ip": f"{tempfile.gettempdir()}/kernel-{uuid.uuid4().hex[:12]}"}
+
+
 class Kernel:
     """One kernel with its client; every message that it published is kept."""
 
     def __init__(self, folder: Path | None = None) -> None:
         """`folder` is where it runs, if not here."""
-        self.manager = KernelManager(kernel_name="python3")
+        self.manager = KernelManager(kernel_name="python3", **own_sockets())
         self.manager.start_kernel(**({"cwd": str(folder)} if folder else {}))
         self.connect()
 

@@ -9,7 +9,9 @@ import pytest
 from nbclient import NotebookClient
 from nbconvert.exporters import HTMLExporter
 from nbformat.v4 import new_code_cell, new_notebook
+from traitlets.config import Config
 
+from tests.kernel import own_sockets
 from tests.view_pictures import SET_UP, VIEWS
 
 # A part of the text that each leaves, from what it shows.
@@ -35,7 +37,7 @@ def exported() -> tuple[nbformat.NotebookNode, str]:
     sources = {"start": SET_UP.strip(), **{kind: VIEWS[kind] for kind in TEXTS}, "wait": wait}
     cells = [new_code_cell(source, id=kind) for kind, source in sources.items()]
     notebook = new_notebook(cells=cells)
-    client = NotebookClient(notebook, timeout=60)
+    client = NotebookClient(notebook, timeout=60, config=Config({"KernelManager": own_sockets()}))
     with client.setup_kernel():
         for index, cell in enumerate(notebook.cells):
             client.execute_cell(cell, index)
