@@ -23,7 +23,7 @@ from tests.selection import TIERS, Candidate, Choice, Tier, choose
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 TIER = "COURSE_KIT_TEST_TIER"  # for the workers, as JSON
-MINUTES = {"full": 18.5, "changed": 1.8}  # that the tests of a tier may take, without the start
+MINUTES = {"full": 17.0, "changed": 1.8}  # that the tests of a tier may take, without the start
 TIMEOUT = 120  # seconds of a test without a mark of its own
 STDERR = os.dup(2)  # which pytest replaces while it captures
 
