@@ -69,9 +69,9 @@ def test_its_end_leaves_a_picture_and_a_text_without_a_widget(kernel: Kernel) ->
 def test_a_browser_that_asks_gets_all_of_the_field(kernel: Kernel, panel: Panel) -> None:
     panel.tell(kind="call", service="reset")
     kernel.until(lambda: pose(kernel) == [MIDDLE, MIDDLE, 0.0])
-    while (x := pose(kernel)[0]) < 6.2:  # a busy simulator moves it less far in its second
+    while (x := kernel.until(lambda: pose(kernel))[0]) < 6.2:  # a busy simulator moves it less far in its second
         panel.tell(kind="key", key="up")
-        kernel.until(lambda: pose(kernel)[0] > x)
+        kernel.until(lambda: (now := pose(kernel)) and now[0] > x)
     before = len(panel.said("field"))
     panel.tell(kind="show")
     kernel.until(lambda: len(panel.said("field")) > before)
