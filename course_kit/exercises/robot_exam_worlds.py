@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import product
 from random import Random
 from typing import TYPE_CHECKING
@@ -76,16 +77,11 @@ def _is_straight(where: World, goal: Point) -> bool:
 
 def _is_hidden(where: World, goal: Point) -> bool:
     """Whether a plan made at the start leads through the midst of a wall, whoever makes it."""
-    from course_kit.navigation.grid import Grid
-    from course_kit.navigation.places import between, moved
-    from course_kit.navigation.planning import plan
+    from course_kit.navigation.places import moved
 
     walls = [replace(one, length=one.length - 2 * AROUND) for one in where.walls if one.length > 2 * AROUND]
     midst = replace(where, walls=tuple(walls), pillars=())
-    grid, there = Grid(), between(where.start, (*goal, 0.0))[:2]
-    _see(grid, where, (0.0, 0.0))
-    seen = grid.map()
-    plans = (plan(_costs(seen, planner), (0.0, 0.0), there) for planner in PLANNERS)
+    plans = (_first_plan(where, goal, planner) for planner in PLANNERS)
     return all(midst.clearances(*moved(first, where.start).T).min() < 0 for first in plans)
 
 
@@ -104,19 +100,31 @@ def _found_way(where: World, goal: Point, planner: Planner, enough: float) -> fl
     from course_kit.navigation.planning import length, plan
 
     grid, there = Grid(), between(where.start, (*goal, 0.0))[:2]
-    path: Floats = np.zeros((1, 2))
+    path = _first_plan(where, goal, planner)
     metres = 0.0
     while metres <= enough:
         here = (float(path[0, 0]), float(path[0, 1]))
         _see(grid, where, here)
         costs = _costs(grid.map(), planner)
-        if len(path) == 1 or not costs.is_free(path[np.hypot(*(path - here).T) > RADIUS]).all():
+        if not costs.is_free(path[np.hypot(*(path - here).T) > RADIUS]).all():
             path = plan(costs, here, there)
         metres += length(path[: LOOK + 1])
         if len(path) <= LOOK + 1:
             return metres
         path = path[LOOK:]
     return metres
+
+
+@lru_cache(len(PLANNERS))
+def _first_plan(where: World, goal: Point, planner: Planner) -> Floats:
+    """Points of the path, seen from the start, that a planner makes there."""
+    from course_kit.navigation.grid import Grid
+    from course_kit.navigation.places import between
+    from course_kit.navigation.planning import plan
+
+    grid = Grid()
+    _see(grid, where, (0.0, 0.0))
+    return plan(_costs(grid.map(), planner), (0.0, 0.0), between(where.start, (*goal, 0.0))[:2])
 
 
 def _see(grid: Grid, where: World, point: Point) -> None:

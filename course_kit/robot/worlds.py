@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ def world(name: str = "rooms", seed: int | None = None) -> World:
     return draw(name, seed)
 
 
+@cache
 def read(path: Path) -> World:
     """The world of a file; it is called after the file."""
     says: dict[str, Any] = yaml.safe_load(path.read_text())
