@@ -355,13 +355,15 @@ given() {
 }
 
 run_tests() {
-    local python=$venv/bin/python failed=0 beside=() types
+    local python=$venv/bin/python failed=0 beside=() types workers=$((2 * $(nproc)))
     unset PYTHONDONTWRITEBYTECODE # hundreds of processes would each compile all that they import
     # Most tests wait for ROS most of the time, so there are more of them at once than there are cores.
+    # Those that only --all has wait longest.
+    [[ ${1:-} != --all ]] || workers=$((workers + 1))
     # Their groups begin in the order of tests/selection.py, not by how many tests they have.
     case ${1:-} in
         '' | --full | --all | --changed)
-            beside=(--numprocesses "$((2 * $(nproc)))" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
+            beside=(--numprocesses "$workers" --maxprocesses 8 --dist loadgroup --no-loadscope-reorder)
             ;;
     esac
     mkdir -p build
