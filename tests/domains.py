@@ -45,7 +45,7 @@ def reserved_domain() -> Iterator[int]:
     """A domain of one's own, in which nothing is left at the end of the block: then it is given back."""
     domain = reserve_domain()
     yield domain
-    _locks.pop(domain).close()
+    _locks.pop(domain).close()  # not after an error: something may be left in it
 
 
 @contextmanager

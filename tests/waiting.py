@@ -33,14 +33,20 @@ def wait_until(
 @contextmanager
 def interrupted_when(condition: Callable[[], Any]) -> Iterator[None]:
     """Interrupt the block, as Ctrl-C does, once a condition is true; the block must raise KeyboardInterrupt."""
+    is_over = threading.Event()
 
     def interrupt() -> None:
-        wait_until(condition)
-        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+        if wait_until(lambda: is_over.is_set() or condition()) and not is_over.is_set():
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
-    threading.Thread(target=interrupt).start()
-    with pytest.raises(KeyboardInterrupt):
-        yield
+    waiting = threading.Thread(target=interrupt)
+    waiting.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            yield
+    finally:  # a block that ended by itself is not interrupted any more, nor is a later test
+        is_over.set()
+        waiting.join()
 
 
 def _code(condition: Callable[[], Any]) -> str:

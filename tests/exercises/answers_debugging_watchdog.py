@@ -115,10 +115,10 @@ ANSWERS = Answers(
         Wrong("rate", changed(WATCHDOG, ("0.2, self.tick", "0.1, self.tick")), 2, "ros2 topic hz /scan_alive"),
         Wrong("flag", FLAG, 2, "It said false 0."),
         Wrong("one_second", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 1.0")), 2, "s after the last scan"),
-        Wrong("limit", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 0.3")), 2, "It said false 0."),
+        Wrong("limit", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 0.3")), 2, "s after a scan: keep"),
         Wrong("four", changed(WATCHDOG, ("0.2, self.tick", "0.25, self.tick")), 2, "one timer with a period of 0.2 s"),
         Wrong("six", changed(WATCHDOG, ("0.2, self.tick", "1 / 6, self.tick")), 2, "one timer with a period of 0.2 s"),
-        Wrong("too_short", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 0.25")), 2, "It said false 0."),
+        Wrong("too_short", changed(WATCHDOG, ("- self.came < 0.5", "- self.came < 0.25")), 2, "s after a scan: keep"),
         Wrong(
             "in_the_callback",
             changed(

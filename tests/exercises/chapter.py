@@ -100,10 +100,14 @@ for _each in [each for each in _spinning_now() if isinstance(each.executor, _Thr
 
 
 class Chapter:
-    """A chapter's notebook, run up to its exercises."""
+    """A chapter's notebook, run up to its exercises.
+
+    `untouched` is what the check of an exercise showed of the answer cell as it is committed, by exercise.
+    """
 
     def __init__(self, kernel: Kernel, path: Path) -> None:
         self.kernel = kernel
+        self.untouched: dict[str, str] = {}
         self.master = master.Chapter(path)
         self.cells = {cell.id: cell for cell in self.master.notebook.cells}
         self._by_role = {
@@ -131,9 +135,9 @@ class Chapter:
         self.kernel.finish(self.kernel.send(source), CELL_TIMEOUT)  # it may raise, as a student's does
         return self.check(exercise)
 
-    def begin(self, exercise: str) -> str:
+    def begin(self, exercise: str) -> None:
         """Check the exercise untouched: the checks see what they look at from the first one on."""
-        return self.answer(exercise, self.source("answer", exercise))
+        self.untouched[exercise] = self.answer(exercise, self.source("answer", exercise))
 
     def check(self, exercise: str) -> str:
         """Run the check cell; return what it showed."""

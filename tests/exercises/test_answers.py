@@ -71,7 +71,7 @@ def every_answer() -> Iterator[Any]:
 @BY_TURNS
 @pytest.mark.parametrize("answers", list(every_exercise()))
 def test_untouched_is_not_begun(notebook: Chapter, answers: Answers):
-    shown = notebook.begin(answers.exercise)
+    shown = notebook.untouched[answers.exercise]
     assert shown.splitlines()[0].endswith(": not begun"), shown
     assert shown == notebook.committed(answers.exercise)
 

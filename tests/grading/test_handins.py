@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from course_kit.grading import submission
 from course_kit.grading.handins import HandIn, find, find_own
+from tests.grading.classes import ASKED, CHAPTER, FORMATS, NAME, exported, students
+from tests.grading.handed_in import CHAPTERS
 from tests.grading.made_handins import MOODLE, NAMES, TOPICS, in_folder_and_zip, lay, topics, zipped
 
 # Layouts
@@ -251,3 +254,19 @@ def test_nothing_to_find(tmp_path: Path):
         find(tmp_path / "round", NAMES)
     with pytest.raises(ValueError):
         find(tmp_path / "nul\0", NAMES)
+
+
+# A class
+
+
+def test_a_class_of_sixty_is_read_alike_in_each_format(tmp_path: Path):
+    sixty, read = list(students(60)), {}
+    for form in FORMATS:
+        found = find(exported(tmp_path / form, form, sixty), [NAME])
+        late = {student.name for student in sixty for one in found if one.late and student.name in one.student}
+        assert late == ({student.name for student in sixty if student.is_late} if form == "canvas" else set())
+        works = [submission.read(one, [CHAPTERS[CHAPTER]], ASKED).works for one in found]
+        read[form] = [work.sources for (work,) in works]
+    assert len(read["folders"]) == len(sixty)
+    assert sum(map(bool, read["folders"])) > 0.9 * len(sixty)
+    assert [form for form in FORMATS if read[form] != read["folders"]] == []
