@@ -19,6 +19,8 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import ByteMultiArray, String
 from std_srvs.srv import Trigger
 
+from course_kit.ending.watchdog import END_TIMEOUT
+
 
 class Servers(Node):
     """`/silent` never answers, `/mortal` kills its process instead; of the actions see the names."""
@@ -29,17 +31,19 @@ class Servers(Node):
         group = ReentrantCallbackGroup()
         self.create_service(Trigger, "silent", self._be_silent, callback_group=group)
         self.create_service(Trigger, "mortal", self._die, callback_group=group)
+        work = {"mortal_action": self._die, "slow": self._end_late}
         for name, takes_goals, can_cancel in (
             ("refusing", False, True),
             ("endless", True, True),
             ("stubborn", True, False),
+            ("slow", True, True),
             ("mortal_action", True, True),
         ):
             ActionServer(
                 self,
                 Fibonacci,
                 name,
-                self._die if name == "mortal_action" else self._go_on,
+                work.get(name, self._go_on),
                 goal_callback=lambda goal, takes=takes_goals: GoalResponse.ACCEPT if takes else GoalResponse.REJECT,
                 cancel_callback=lambda goal, can=can_cancel: CancelResponse.ACCEPT if can else CancelResponse.REJECT,
                 callback_group=group,
@@ -72,6 +76,13 @@ class Servers(Node):
         if goal.is_cancel_requested:
             goal.canceled()
         return Fibonacci.Result(sequence=[7])
+
+    def _end_late(self, goal: Any) -> Any:
+        """Cancel when `ros2` would have been ended, were it one that does not heed its interrupt."""
+        while not goal.is_cancel_requested and not self.ended.wait(0.01):
+            pass
+        self.ended.wait(END_TIMEOUT + 0.5)
+        return self._go_on(goal)
 
 
 def main() -> None:

@@ -211,6 +211,15 @@ def test_an_interrupt_cancels_the_goal(times):
     assert (outcome.err, outcome.status) == ("", 0)
 
 
+def test_a_goal_that_takes_its_time_to_be_cancelled_is_waited_for():
+    with Running("action", "send_goal", "/slow", FIBONACCI) as goal:
+        goal.until("Goal accepted")
+        goal.interrupt()
+        outcome = goal.end(timeout=20)
+    assert outcome.out.endswith(f"Result:\n    {sequence(7)}Goal finished with status: CANCELED\n")
+    assert (outcome.err, outcome.status) == ("", 0)
+
+
 def test_a_goal_that_may_not_be_cancelled_is_left_alone():
     with Running("action", "send_goal", "/stubborn", FIBONACCI) as goal:
         goal.until("Goal accepted")

@@ -12,6 +12,7 @@ from types import FrameType
 from typing import Any
 
 from course_kit.calls.goals import STATES
+from course_kit.ending import watchdog
 from course_kit.ros2.completion import fields_of
 from course_kit.ros2.named import ACTIONS
 from course_kit.ros2.servers import ANSWER_TIMEOUT, outcome, wait_for_server
@@ -101,6 +102,7 @@ def _interrupt() -> Iterator[Callable[[], bool]]:
     came: list[float] = []
 
     def note(number: int, frame: FrameType | None) -> None:
+        watchdog.let_live()  # nothing holds this process, and the server may take its time to cancel
         came.append(time.monotonic())
         if came[-1] - came[0] > SAME_INTERRUPT:
             raise KeyboardInterrupt
