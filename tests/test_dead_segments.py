@@ -21,7 +21,7 @@ from course_kit import polling
 from course_kit.ending import watchdog
 from course_kit.ending.shared_memory import FOLDER
 from tests.benchmark.dead_segments import outcome
-from tests.programs.dead_segments import CASES, DEAD
+from tests.programs.dead_segments import CASES, DEAD, in_own_shared_memory
 from tests.waiting import wait_until
 
 HEALED = 20.0  # seconds; a quiet machine needs less than 2, as the benchmark shows
@@ -55,6 +55,19 @@ from course_kit.ending import watchdog
 print("begun", flush=True)
 while True:
     watchdog.heal()
+"""
+HIDDEN_MAKER = """
+import os, time
+from pathlib import Path
+from course_kit.ending import watchdog
+path = Path("/dev/shm/fastrtps_port70000")
+def stays(age):
+    path.write_bytes(bytes(4096))
+    made = time.time() - age
+    os.utime(path, (made, made))
+    watchdog.heal()
+    return path.exists() or (age < 1.0 < time.time() - made and stays(age))  # again, if this took too long
+print(stays(0.2), stays(1.2))
 """
 ROUNDS = 100
 as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can mount a shared memory of its own")
@@ -117,6 +130,15 @@ def test_one_that_is_being_made_is_left(segment: Path) -> None:
     """By a process that has it, and has begun a moment ago; or by one that cannot be seen, in a container."""
     for has_it, seconds, limit in [(True, 0.3, 0.9), (False, 0.0, 0.1)]:
         wait_until(partial(is_left, segment, has_it, seconds, limit, watchdog.heal))
+
+
+@as_root
+def test_one_whose_maker_may_be_hidden_is_left_for_a_second() -> None:
+    """In the sandbox of an answer, whose checker is out of sight."""
+    command = in_own_shared_memory(sys.executable, "-c", HIDDEN_MAKER)
+    environ = {**os.environ, watchdog.HIDDEN: "1"}
+    done = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=60)
+    assert done.stdout.split() == ["True", "False"], done.stderr
 
 
 def test_who_lacks_the_means_to_see_who_has_it_leaves_it(segment: Path) -> None:

@@ -48,6 +48,15 @@ context.before_stop(stuck)
 command.main()
 """
 
+RECORDING = """
+from course_kit.bags.recorder import Recorder
+from course_kit.ros2 import command
+from course_kit.ros2.bag import record
+record.CLOSE_TIMEOUT = 0.5
+Recorder.stop = lambda self: stuck()
+command.main()
+"""
+
 CHECKER = """
 from course_kit.checking import __main__ as checker
 from course_kit.examining import station
@@ -67,6 +76,17 @@ def held():
 spin("held", held, None)
 """,
     "a program at work": NODE.format(work="stuck()"),
+    "a launch": """
+from course_kit.launching import lifecycle
+from course_kit.launching.service import LaunchService
+from course_kit.ros2 import command
+def held(self, event):
+    lifecycle._node_of(self.context)
+    stuck()
+LaunchService._handle = held
+sys.argv[1:] = ["launch", "turtlesim", "multisim.launch.py"]
+command.main()
+""",
     "a verb": """
 from course_kit.ros2 import command
 from course_kit.ros2.session import Session
@@ -164,6 +184,20 @@ def test_a_signal_ends_what_a_native_call_holds(what: str, number: signal.Signal
             assert process.wait(TIMEOUT) == 128 + number
             assert time.monotonic() - began < watchdog.END_TIMEOUT + 1.0
             assert not [path for path in left if path.exists()]
+        finally:
+            process.kill()
+
+
+def test_a_second_signal_ends_a_recording_whose_end_is_held(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", NEVER_RETURNS + RECORDING, "bag", "record", "-a", "-o", str(tmp_path / "bag")]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stderr is not None
+            assert any("Recording..." in line for line in process.stderr)
+            process.send_signal(signal.SIGINT)
+            assert any("held at" in line for line in process.stderr)
+            process.send_signal(signal.SIGINT)
+            assert process.wait(TIMEOUT) == 128 + signal.SIGINT
         finally:
             process.kill()
 

@@ -16,7 +16,10 @@ from typing import NoReturn
 from course_kit.ending.signals import asking_to_end
 
 LIBRARY = os.path.join(sys.prefix, "lib", "course_kit", "watchdog.so")  # set-up compiles it
+HIDDEN = "COURSE_KIT_HIDDEN_PROCESSES"  # set in a sandbox that shows some of those only that share its shared memory
 END_TIMEOUT = 3.0  # seconds from a signal to the end of a program
+
+_is_program = False  # whether signals end this process, or did so until it heeded none
 
 
 @functools.cache
@@ -25,6 +28,8 @@ def _library() -> ctypes.CDLL:
     library = ctypes.CDLL(LIBRARY, use_errno=True)
     library.watchdog_end_in.argtypes = (ctypes.c_double, ctypes.c_int)
     library.watchdog_end_after_signals.argtypes = (ctypes.c_ulong, ctypes.c_double)
+    if os.environ.get(HIDDEN):
+        library.watchdog_expect_hidden()
     return library
 
 
@@ -46,12 +51,20 @@ def heal() -> int:
     return int(_library().watchdog_heal())
 
 
-def end_after_signals(seconds: float = END_TIMEOUT) -> None:
+def end_after_signals(seconds: float = END_TIMEOUT, again: bool = False) -> None:
     """Have Ctrl-C, SIGTERM and SIGHUP end this process `seconds` later, if it has not ended by itself.
 
     The exit status is then 128 + the number of the signal, or that of end_in(). The signals need a handler of Python's.
+    `again`: only if signals have ended this process before, as in a program, and not in a kernel.
     """
-    signal.set_wakeup_fd(begin(), warn_on_full_buffer=False)
+    global _is_program
+    if again and not _is_program:
+        return
+    _is_program = True
+    own = begin()
+    before = signal.set_wakeup_fd(own, warn_on_full_buffer=False)
+    if before != own:  # asyncio's, if it has handlers of its own: it gets the signals from the watchdog
+        _library().watchdog_hand_on(before)
     numbers = sum(1 << number for number in (signal.SIGINT, *asking_to_end()))
     _library().watchdog_end_after_signals(numbers, seconds)
 

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from course_kit.ending.watchdog import HIDDEN
 from course_kit.environment.activation import sourced_ros
 from course_kit.solving.worked import FOLDER as SOLUTIONS
 
@@ -104,6 +105,7 @@ def inner(places: Places, environ: Mapping[str, str], limits: Limits, only: bool
 
     `only`: with nothing else in it, and in the notebook's folder; else in that of the caller.
     """
+    environ = {**environ, HIDDEN: "1"}  # the checker is out of sight, and shares /dev/shm
     environment = [word for name, value in sorted(environ.items()) for word in ("--setenv", name, value)]
     if only:
         environment = ["--chdir", str(places.work / "notebooks"), "--clearenv", *environment]

@@ -9,6 +9,7 @@ import signal
 import traceback
 from collections.abc import Iterable
 
+from course_kit.ending import watchdog
 from course_kit.ending.signals import asking_to_end, leave_closed_terminal
 from course_kit.launching import events, output
 from course_kit.launching.context import LaunchContext
@@ -56,6 +57,7 @@ class LaunchService:
         loop.add_signal_handler(signal.SIGINT, self._on_sigint)
         for number in (*asking_to_end(), signal.SIGQUIT):
             loop.add_signal_handler(number, self._on_sigterm, number)
+        watchdog.end_after_signals(again=True)  # asyncio has taken the signals to itself
         while not terminated.done():
             if self.context.events:
                 self._handle(self.context.events.popleft())
@@ -96,6 +98,7 @@ class LaunchService:
         self.context.is_shutdown = True
 
     def _on_sigint(self) -> None:
+        watchdog.let_live()  # nothing holds this process, and its programs may take longer
         message = "user interrupted with ctrl-c (SIGINT)"
         if self._was_interrupted:
             self._logger.warning(f"{message} again, ignoring...")
@@ -106,6 +109,7 @@ class LaunchService:
         self._shutdown("ctrl-c (SIGINT)", due_to_sigint=True)
 
     def _on_sigterm(self, number: signal.Signals) -> None:
+        watchdog.let_live()
         leave_closed_terminal()
         self._status = 1
         if not self._terminated.done():

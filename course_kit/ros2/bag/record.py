@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from course_kit.bags.recorder import Recorder
     from course_kit.bags.selection import Selection
 
+CLOSE_TIMEOUT = 120.0  # seconds from a further signal to the end, if the middleware holds a recording that is ended
 DEFAULT_NAME = "rosbag2_%Y_%m_%d-%H_%M_%S"
 SMALLEST_SPLIT = {"mcap": 1024, "sqlite3": 86016}  # bytes
 UNSUPPORTED: dict[str, dict[str, Any]] = {
@@ -94,7 +95,8 @@ def _run(recorder: Recorder, pressed: Callable[[], str | None], session: Session
         pass
     finally:
         watchdog.heed_no_signals()  # a bag is closed whole, however long its disk takes
-        with handling(signal.SIGINT, signal.SIG_IGN):  # a second Ctrl-C must not keep the bag from being closed
+        watchdog.end_after_signals(CLOSE_TIMEOUT, again=True)
+        with handling(signal.SIGINT, lambda *_: None):  # a second Ctrl-C does not keep the bag from being closed
             recorder.stop()
         while not recorder.log.empty():
             options.show(recorder.log.get(), session, log_level)

@@ -172,6 +172,7 @@ def _describe(path: str, args: Namespace, session: Session) -> None:
 
 
 def _launch(path: str, values: dict[str, str], argv: list[str], args: Namespace) -> int:
+    from course_kit.ending import watchdog
     from course_kit.launching.entities import LaunchDescription
     from course_kit.launching.include import AnyLaunchDescriptionSource, IncludeLaunchDescription
     from course_kit.launching.service import LaunchService
@@ -180,7 +181,10 @@ def _launch(path: str, values: dict[str, str], argv: list[str], args: Namespace)
     service = LaunchService(argv=argv, noninteractive=noninteractive, debug=args.debug)
     include = IncludeLaunchDescription(AnyLaunchDescriptionSource(path), launch_arguments=values.items())
     service.include_launch_description(LaunchDescription([include]))
-    return service.run()
+    try:
+        return service.run()
+    finally:
+        watchdog.end_after_signals(again=True)  # asyncio took the signals, and leaves them to nobody
 
 
 COMMAND = Verb(
