@@ -22,6 +22,7 @@ SOLUTIONS = "course_kit/solutions"
 PACKAGES = ("course_kit", "tests")
 NAMED = re.compile(r"\b(?:course_kit|tests)(?:\.\w+)+")
 TAKEN = re.compile(r"from (course_kit[\w.]*) import ([\w, ]+)")
+CHOOSING = {".ci/landed", "tests/durations.json"}  # each landing changes them, and no test fails by them
 ROS2_COMMAND = re.compile(rf"""\bros2\b[\s"',(\[*]+({"|".join(COMMANDS)})\b""")
 
 
@@ -43,7 +44,7 @@ class Dependencies:
         for name in self.texts.keys() - self.graph.modules:
             self.graph.add_module(name)
         for name, text in self.texts.items():
-            for named in self._named(text):
+            for named in () if name == __name__ else self._named(text):
                 self._add(name, named)
         for name in self.texts:
             if ".test_" in name:  # pytest loads what is called so in each folder above
@@ -93,15 +94,25 @@ class Dependencies:
         return sorted({*modules, *(name for name in self.graph.modules if name[0].isdigit() or " " in name)})
 
     def touched(self, file: str) -> set[str]:
-        """The modules that a changed file is, or that name it."""
+        """The modules that a changed file is, or that name it; else those of the nearest folder above it."""
         path = Path(file)
+        if file in CHOOSING:
+            return set()
         if path.suffix == ".ipynb" and f"notebooks.{path.stem}" in self.graph.modules:
             return {f"notebooks.{path.stem}"}
-        if path.suffix == ".py":
-            return {module_of(path)} & self.graph.modules
+        if module_of(path) in self.graph.modules:
+            return {module_of(path)}
         if path.is_relative_to(SOLUTIONS):
             return {group_of(path.stem), "tests.exercises.test_solutions"} & self.graph.modules
-        return {name for name, text in self.texts.items() if path.name in text}
+        module = path.parent if path.stem == "__init__" else path
+        name = module.stem if path.suffix == ".py" else path.name  # a program is named as a module
+        if naming := {each for each, text in self.texts.items() if re.search(rf"\b{re.escape(name)}\b", text)}:
+            return naming
+        return next(filter(None, map(self._in, path.parents[:-1])), set())
+
+    def _in(self, folder: Path) -> set[str]:
+        """The modules right in a folder."""
+        return {name for name in self.graph.modules if name.rpartition(".")[0] == ".".join(folder.parts)}
 
     def distances(self, files: Iterable[str]) -> dict[str, int | None]:
         """How many imports lie between each group of tests and what was changed; None for those that do not depend."""

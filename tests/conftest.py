@@ -16,7 +16,7 @@ import pytest
 from tests import leftovers
 from tests.domains import own_domain, use_own_domain
 from tests.durations import Durations
-from tests.landings import PARTS, commit, half, landed, turn
+from tests.landings import DEALT, PARTS, commit, half, landed, turn
 from tests.report import Report
 from tests.scheduling import GroupScheduling
 from tests.selection import TIERS, Candidate, Choice, Tier, choose
@@ -67,12 +67,18 @@ def of_whole_run(name: str, workers: int) -> Tier:
             pytest.exit("Nothing has changed that a test depends on.", returncode=0)
     limit = MINUTES.get(name, 0.0) * 60
     own_half = None if name else half(commit())
-    return Tier(name, turn(landed(), commit()), distances, limit * workers, limit, own_half)
+    return Tier(name, turn(landed()[DEALT:], commit()), distances, limit * workers, limit, own_half)
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> GroupScheduling | None:
     """Where groups are run beside each other, have a group outlive the end of its process."""
     return GroupScheduling(config, log) if config.getoption("dist") == "loadgroup" else None
+
+
+def pytest_testnodedown(node: Any, error: object) -> None:
+    """A worker has ended: if in the midst of a test, with programs that nobody ends."""
+    if error:
+        leftovers.kill_what_is_left_of(node.gateway.id)
 
 
 def group(item: pytest.Item) -> str:

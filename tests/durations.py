@@ -73,15 +73,16 @@ class Measured:
         """Write them over those of earlier runs; a test that was not run keeps what it had."""
         durations = _known()
         for group, tests in self.seconds.items():
-            durations[group] = {**durations.get(group, {}), **_short(tests)}
+            not_run = {name: seconds for name, seconds in durations.get(group, {}).items() if name not in tests}
+            durations[group] = {**not_run, **_short(tests)}
         write(durations, MEASURED)
 
 
 def _short(tests: dict[str, float]) -> dict[str, float]:
-    """The tests that take long, each with its seconds, and the mean of the others."""
+    """The tests that take long, each with its seconds, and the mean of the others, if there are any."""
     long = {name: round(seconds, 1) for name, seconds in tests.items() if seconds >= SHORTEST or name == FIXTURES}
     others = [seconds for name, seconds in tests.items() if name not in long]
-    return {**long, OTHERS: round(sum(others) / max(1, len(others)), 3)}
+    return {**long, OTHERS: round(sum(others) / len(others), 3)} if others else long
 
 
 def write(seconds: Seconds, path: Path) -> None:

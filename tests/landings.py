@@ -1,4 +1,4 @@
-"""The turns of the long tests: five landings in a row run all parts, in an order that nobody chooses.
+"""The turns of the long tests: each round of five landings runs all parts, in an order that nobody chooses.
 
 A run without --full has one half of the part whose turn it is, which the commit draws, too.
 
@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[1]
 LANDED = ROOT / ".ci/landed"
 PARTS, HALVES = 5, 2
 SALT = "2711"  # with it the parts take about the same time
+DEALT = 3  # landings before this SALT; a new deal begins a new round
 NO_COMMIT = "0"  # of a copy of the course that is no git repository
 
 
@@ -35,7 +36,7 @@ def commit() -> str:
 
 
 def turn(landings: Sequence[str], commit: str) -> int:
-    """The part whose turn it is at a commit behind these landings.
+    """The part whose turn it is at a commit behind these landings, which are those since the deal.
 
     The commit's hash draws it from those that the landings of the same round of five have left.
     """

@@ -100,25 +100,31 @@ def _unused(kind: re.Pattern[str]) -> list[Path]:
 
 
 def end_processes() -> list[str]:
-    """Kill the run's processes that do not end by themselves; return what they are.
-
-    This process and those that it is part of are none of them.
-    """
-    own = {os.getpid(), *(parent.pid for parent in psutil.Process().parents())}
-    wait_until(lambda: not _processes(own), timeout=5.0)
+    """Kill the run's processes that do not end by themselves; return what they are."""
+    wait_until(lambda: not _processes(), timeout=5.0)
     killed = []
-    for process in _processes(own):
+    for process in _processes():
         with contextlib.suppress(psutil.Error):
             killed.append(f"{process.pid} {' '.join(process.cmdline())}")
             process.kill()
     return killed
 
 
-def _processes(own: set[int]) -> list[psutil.Process]:
+def kill_what_is_left_of(worker: str) -> None:
+    """Kill the processes of tests whose worker, such as "gw3", has ended in the midst: its domains are free again."""
+    for process in _processes(PYTEST_XDIST_WORKER=worker):
+        with contextlib.suppress(psutil.Error):
+            process.kill()
+
+
+def _processes(**marks: str) -> list[psutil.Process]:
+    """The run's processes with these variables in their environment, but for this one and those that it is part of."""
+    own = {os.getpid(), *(parent.pid for parent in psutil.Process().parents())}
+    marks[MARK] = os.environ[MARK]
     found = []
     for process in psutil.process_iter():
         with contextlib.suppress(psutil.Error):
-            if process.pid in own or process.environ().get(MARK) != os.environ[MARK]:
+            if process.pid in own or not marks.items() <= process.environ().items():
                 continue
             if not any(servant in " ".join(process.cmdline()) for servant in SERVANTS):
                 found.append(process)

@@ -122,7 +122,7 @@ def test_a_run_has_a_half_of_its_turn_and_of_each_kind_one() -> None:
 
 
 def test_the_parts_are_about_as_long_as_each_other() -> None:
-    """If this fails after many changes, another SALT is due."""
+    """If this fails after many changes, another SALT is due, with its DEALT."""
     seconds = Counter[int]()
     for group in (known := Durations.read()).seconds:
         seconds[part_of(group)] += int(known.of_whole(group))
@@ -140,7 +140,8 @@ def test_the_landings_are_commits_of_this_repository() -> None:
 def test_a_run_keeps_what_it_measured_over_what_was_known(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(durations, "KEPT", tmp_path / "kept.json")
     monkeypatch.setattr(durations, "MEASURED", tmp_path / "build/measured.json")
-    durations.write({"a": {"fixtures": 3.0, "long": 9.0, "not run": 5.0}, "b": {"others": 1.0}}, durations.KEPT)
+    known = {"fixtures": 3.0, "long": 9.0, "not run": 5.0, "short": 4.0}
+    durations.write({"a": known, "b": {"others": 1.0}}, durations.KEPT)
     measured = Measured()
     for test, seconds in [("fixtures", 1.0), ("fixtures", 1.0), ("long", 7.0), ("short", 0.2), ("shorter", 0.1)]:
         measured.add("a", test, seconds)
@@ -153,7 +154,9 @@ def test_a_run_keeps_what_it_measured_over_what_was_known(tmp_path: Path, monkey
         "not run": 5.0,
         "others": 0.15,
     }
+    assert json.loads(durations.MEASURED.read_text())["c"] == {"long": 80.0}
     read = Durations.read()
+    assert read.of("c", ["new"]) == durations.UNKNOWN
     assert read.of("a", ["long", "short", "never run"]) == pytest.approx(2.0 + 7.0 + 2 * 0.15)
     assert read.of("b", ["any"]) == 1.0
     assert read.of("unknown", ["any", "other"]) == 2 * durations.UNKNOWN

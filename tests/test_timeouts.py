@@ -7,11 +7,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import psutil  # type: ignore[import-untyped]
 import pytest
+
+from tests import leftovers
 
 ROOT = Path(__file__).parents[1]
 TESTS = """
-import ctypes, os, time
+import ctypes, os, subprocess, time
 import pytest
 
 def waits():
@@ -24,7 +27,7 @@ def holds_the_lock():
 
 @pytest.mark.timeout(1)
 def test_stopped():
-    os.write({pipe}, b"%d stopped" % os.getpid())
+    os.write({pipe}, b"%d stopped %d" % (os.getpid(), subprocess.Popen(["sleep", "600"]).pid))
     {how}()
 
 def test_after_it():
@@ -39,10 +42,12 @@ def test_its_process_ends_and_the_next_test_has_another(how: str, tmp_path: Path
     (tmp_path / "test_it.py").write_text(text.replace("{how}", how))
     settings = f"-c {ROOT / 'pyproject.toml'} --rootdir {tmp_path} -p tests.conftest -p no:cacheprovider".split()
     command = [sys.executable, "-m", "pytest", *settings, "-n1", "--dist", "loadgroup", str(tmp_path / "test_it.py")]
-    environ = {**os.environ, "PYTEST_XDIST_WORKER": "gw0"}  # a run in a run, which reports nothing
+    # A run in a run: it reports nothing, and its processes have a mark of their own.
+    environ = {**os.environ, "PYTEST_XDIST_WORKER": "gw0", leftovers.MARK: str(tmp_path)}
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=ROOT, env=environ)
     assert "1 failed, 1 passed" in done.stdout, done.stdout + done.stderr
     assert f"in {how}" in done.stderr  # where it stood
     stopped, after = said.read_text().split(",")
     assert "stopped" in stopped and "after it" in after
     assert stopped.split()[0] != after.split()[0]
+    assert not psutil.pid_exists(int(stopped.split()[-1]))  # its program
