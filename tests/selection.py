@@ -72,7 +72,7 @@ class Tier:
 
 @dataclass
 class Choice:
-    """The groups of a run, the longest first, and what is left to another one."""
+    """The groups of a run in their order, the longest first, and what is left to another one."""
 
     chosen: dict[str, list[Candidate]] = field(default_factory=dict)
     other_turns: list[str] = field(default_factory=list)  # groups of which tests are left to another turn
@@ -103,8 +103,9 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
             spent += more[group]
         elif more[group]:
             choice.beyond_limit.append(group)
-    longest_first = sorted(chosen, key=lambda group: -seconds(group, chosen[group]))
-    choice.chosen = {group: chosen[group] for group in longest_first if chosen[group]}
+    # With --all part after part: the longest groups of all parts at once would be too much for a machine.
+    order = sorted(chosen, key=lambda group: (tier.name == "all" and part_of(group), -seconds(group, chosen[group])))
+    choice.chosen = {group: chosen[group] for group in order if chosen[group]}
     left = {test for part in groups.values() for test in part} - {test for part in chosen.values() for test in part}
     choice.seconds = spent
     if tier.name == "changed":

@@ -48,13 +48,20 @@ def run(tier: Tier) -> tuple[dict[str, int], Sequence[str], Sequence[str]]:
         (Tier(""), {"solved": 1, "quick": 3}, []),  # of a folder that somebody names
         (Tier("full", TURN), {"solved": 3, "quick": 3}, ["bare"]),
         (Tier("full", part_of("bare")), {"bare": 2, "quick": 3}, ["solved"]),
-        (Tier("all"), {"bare": 2, "solved": 3, "quick": 3}, []),
     ],
 )
 def test_a_tier_has_its_tests_the_longest_group_first(tier: Tier, groups: dict[str, int], other_turns) -> None:
     assert part_of("bare") != TURN
     assert run(tier) == (groups, other_turns, [])
     assert list(run(tier)[0]) == list(groups)
+
+
+def test_everything_is_run_part_after_part_the_longest_group_of_each_first() -> None:
+    tests = [*TESTS, *(Candidate(f"more {number}", f"more {number}", "test_more") for number in range(20))]
+    order = list(choose(tests, Tier("all"), SECONDS).chosen)
+    assert {*order} == {test.group for test in tests}
+    seconds = {"bare": 70.0, "solved": 25.0, "quick": 7.0}
+    assert order == sorted(order, key=lambda group: (part_of(group), -seconds.get(group, durations.UNKNOWN)))
 
 
 def test_a_run_says_how_many_slow_tests_it_leaves() -> None:

@@ -11,6 +11,7 @@ import psutil  # type: ignore[import-untyped]
 import pytest
 
 from tests import leftovers
+from tests.waiting import wait_until
 
 ROOT = Path(__file__).parents[1]
 TESTS = """
@@ -50,4 +51,4 @@ def test_its_process_ends_and_the_next_test_has_another(how: str, tmp_path: Path
     stopped, after = said.read_text().split(",")
     assert "stopped" in stopped and "after it" in after
     assert stopped.split()[0] != after.split()[0]
-    assert not psutil.pid_exists(int(stopped.split()[-1]))  # its program
+    wait_until(lambda: not psutil.pid_exists(int(stopped.split()[-1])))  # its program
