@@ -384,6 +384,30 @@ static void *run(void *nothing) {
     return nothing;
 }
 
+/* Takes signals at once, while the other thread may be looking through a folder: the programs of a launch may have
+   ended by the time it is done, and then the launch would end as if nobody had interrupted it. */
+static void *relay(void *nothing) {
+    struct pollfd heard = {signals[0], POLLIN, 0};
+    while (1) {
+        poll(&heard, 1, -1);
+        pthread_mutex_lock(&lock);
+        take_signals();
+        pthread_mutex_unlock(&lock);
+    }
+    return nothing;
+}
+
+/* Starts a thread, to which no signals go; returns 0, or -1 with errno. */
+static int start(void *(*work)(void *)) {
+    pthread_t thread;
+    sigset_t all, before;
+    sigfillset(&all); /* signals go to the threads of the program */
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    errno = pthread_create(&thread, NULL, work, NULL);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return errno ? -1 : pthread_detach(thread);
+}
+
 /* A forked child has none of its parent's threads, but the lock as one of them may have held it. */
 static void forget_lock(void) { lock = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER; }
 
@@ -393,16 +417,11 @@ int watchdog_begin(void) {
     pthread_mutex_lock(&lock);
     if (owner != getpid()) {
         if (!handles_forks) handles_forks = !pthread_atfork(NULL, NULL, forget_lock);
-        pthread_t thread;
-        sigset_t all, before;
         int failed = pipe2(signals, O_NONBLOCK | O_CLOEXEC);
         deadline = patience = 0;
         heir = -1;
-        sigfillset(&all); /* signals go to the threads of the program */
-        pthread_sigmask(SIG_SETMASK, &all, &before);
-        if (failed || (errno = pthread_create(&thread, NULL, run, NULL)) || pthread_detach(thread)) signals[1] = -1;
+        if (failed || start(run)) signals[1] = -1;
         else owner = getpid();
-        pthread_sigmask(SIG_SETMASK, &before, NULL);
     }
     pthread_mutex_unlock(&lock);
     return signals[1];
@@ -416,10 +435,12 @@ void watchdog_end_after_signals(unsigned long numbers, double seconds) {
     pthread_mutex_unlock(&lock);
 }
 
-/* Has the number of each signal go into this socket, too, from now on; -1: into none. */
+/* Has the number of each signal go into this socket, too, from now on; -1: into none. Without another thread, after a look. */
 void watchdog_hand_on(int descriptor) {
+    static pid_t relaying;
     pthread_mutex_lock(&lock);
     heir = descriptor;
+    if (heir >= 0 && relaying != getpid() && !start(relay)) relaying = getpid();
     pthread_mutex_unlock(&lock);
 }
 
