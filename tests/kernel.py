@@ -17,7 +17,7 @@ Message = dict[str, Any]
 
 
 def own_sockets() -> dict[str, str]:
-    """What has a KernelManager use sockets in files: ports that were free may be taken when its kernel has started."""
+    """Settings that have a KernelManager use sockets in files: a free port may be taken when a kernel starts."""
     return {"transport": "ipc", "ip": f"{tempfile.gettempdir()}/kernel-{uuid.uuid4().hex[:12]}"}
 
 

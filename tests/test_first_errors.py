@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
+from concurrent.futures import Future
 
 import pytest
 
+from course_kit.causes import cause_of
+from course_kit.causes.frames import folded, steps
 from tests.first_errors import CASES, SET_UP, Case
 from tests.kernel import Kernel, kernel_after
 
@@ -177,7 +181,39 @@ def test_an_interrupted_wait_shows_the_cell_alone(kernel: Kernel) -> None:
     kernel.manager.interrupt_kernel()
     kernel.finish(cell, 5)
     error = error_of(kernel, cell)
-    assert "KeyboardInterrupt" in error and error.count("\n") < 8 and not OF_LIBRARIES.search(error), error
+    assert "KeyboardInterrupt" in error and error.count("\n") < 12 and not OF_LIBRARIES.search(error), error
+
+
+def raised_in_a_library(error: BaseException) -> BaseException:
+    """Have a library raise an error; return the error with frames of that library alone."""
+    future: Future[None] = Future()
+    future.set_exception(error)
+    with pytest.raises(type(error)):
+        future.result()
+    assert error.__traceback__ is not None
+    return error.with_traceback(error.__traceback__.tb_next)
+
+
+def test_an_interrupt_before_the_first_line_of_a_cell_has_no_frames() -> None:
+    error = raised_in_a_library(KeyboardInterrupt())
+    error.__context__ = raised_in_a_library(KeyError("what"))
+    assert list(steps(error.__traceback__))
+    with folded(error):
+        assert not list(steps(error.__traceback__)) and error.__suppress_context__
+    assert list(steps(error.__traceback__)) and not error.__suppress_context__
+
+
+@pytest.mark.skipif(sys.version_info < (3, 11), reason="Python 3.10 cannot say that an instruction has no line")
+def test_an_interrupt_at_an_instruction_without_a_line_is_shown_at_the_first_one_of_its_function() -> None:
+    for_eight_units_no_line = 0x80 | 15 << 3 | 7
+    code = compile("\n\nraise KeyboardInterrupt", "/cell.py", "exec")
+    with pytest.raises(KeyboardInterrupt) as caught:
+        exec(code.replace(co_linetable=bytes([for_eight_units_no_line])), {})
+    error = caught.value
+    assert [step.tb_lineno for step in steps(error.__traceback__)][-1] is None
+    assert not cause_of(error)
+    with folded(error):
+        assert [step.tb_lineno for step in steps(error.__traceback__)][-1] == code.co_firstlineno
 
 
 def test_a_time_out_shows_its_cell_and_what_did_not_come(kernel: Kernel) -> None:

@@ -48,7 +48,7 @@ def publisher(parent: str, child: str, *words: str) -> RunningGroup:
 
 
 def ended_well(running: RunningGroup) -> bool:
-    """Whether Ctrl-C ends it with status 0, and it says nothing of its end, be it in the midst of an echo."""
+    """Tell whether Ctrl-C ends it with status 0 and without a word of its end, be it in the midst of an echo."""
     said = len(running.lines)
     running.interrupt()
     return running.end().status == 0 and set(running.lines[said:]) <= set(running.lines[:said])

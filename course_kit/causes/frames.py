@@ -37,17 +37,24 @@ def without_plumbing(traceback: TracebackType | None, interrupted: bool = False)
     Of an interrupt all library calls are left out: where exactly it came, nobody needs to know.
     """
     kept: list[TracebackType] = []
-    inside = is_own = False
+    inside = False
     for step in steps(traceback):
         path = Path(step.tb_frame.f_code.co_filename)
-        inside = is_plumbing(path) or (is_library(path) and (inside or (is_own and interrupted)))
-        is_own = is_own or not (inside or is_library(path))
+        inside = is_plumbing(path) or (is_library(path) and (inside or interrupted))
         if not inside:
             kept.append(step)
     result: TracebackType | None = None
     for step in reversed(kept):
-        result = TracebackType(result, step.tb_frame, step.tb_lasti, step.tb_lineno)
+        result = TracebackType(result, step.tb_frame, step.tb_lasti, line_of(step))
     return result
+
+
+def line_of(step: TracebackType) -> int:
+    """The number of the line that a step stands in.
+
+    An interrupt may come at an instruction that belongs to no line: then the first line of its function.
+    """
+    return step.tb_lineno or step.tb_frame.f_code.co_firstlineno  # None, which typeshed does not say
 
 
 @contextlib.contextmanager
@@ -64,8 +71,9 @@ def folded(error: BaseException) -> Iterator[None]:
             waiting += [one.__cause__, one.__context__]
             restoring.callback(setattr, one, "__suppress_context__", one.__suppress_context__)
             restoring.callback(setattr, one, "__traceback__", one.__traceback__)
-            one.__traceback__ = without_plumbing(one.__traceback__, isinstance(one, KeyboardInterrupt))
+            interrupted = isinstance(one, KeyboardInterrupt)
+            one.__traceback__ = without_plumbing(one.__traceback__, interrupted)
             before = one.__context__
-            if before is not None and without_plumbing(before.__traceback__) is None:
-                one.__suppress_context__ = True  # what the course has met and made a sentence of
+            if before is not None and without_plumbing(before.__traceback__, interrupted) is None:
+                one.__suppress_context__ = True  # the course or a library has met it, and gone on
         yield

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from course_kit.causes.frames import is_plumbing, steps
+from course_kit.causes.frames import is_plumbing, line_of, steps
 
 
 class Raised:
@@ -41,7 +41,7 @@ class Raised:
         """The student's line that is nearest to where it was raised."""
         for step in reversed(self.steps):
             if not is_plumbing(Path(_file(step))):
-                return linecache.getline(_file(step), step.tb_lineno).strip()
+                return linecache.getline(_file(step), line_of(step)).strip()
         return ""
 
     def went_through(self, function: str) -> FrameType | None:

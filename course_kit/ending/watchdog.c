@@ -46,7 +46,8 @@ enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 i
 #define SMALLEST 4096              /* a file without a length gets this one, so that it can be mapped */
 
 /* A port as Fast DDS 2.14 makes it: where its parts are, in bytes, and the bits in them. */
-enum { NUMBER = 0x114, FLAGS = 0x12c, MUTEX = 0x5170, LISTENERS = 0x5198, LISTENER_SIZE = 20, LISTENERS_LOOKED_AT = 64 };
+enum { NUMBER = 0x114, FLAGS = 0x12c, MUTEX = 0x5170 };
+enum { LISTENERS = 0x5198, LISTENER_SIZE = 20, LISTENERS_LOOKED_AT = 64 };
 enum { IS_IN_ORDER = 1, IS_PROCESSING = 4, SHARED = 128 }; /* SHARED: a mutex's kind */
 #define SUSPECTS 32
 
@@ -435,7 +436,8 @@ void watchdog_end_after_signals(unsigned long numbers, double seconds) {
     pthread_mutex_unlock(&lock);
 }
 
-/* Has the number of each signal go into this socket, too, from now on; -1: into none. Without another thread, after a look. */
+/* Has the number of each signal go into this socket, too, from now on; -1: into none. Without another thread it goes
+   there after a look. */
 void watchdog_hand_on(int descriptor) {
     static pid_t relaying;
     pthread_mutex_lock(&lock);

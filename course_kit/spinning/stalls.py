@@ -46,7 +46,8 @@ def look(thread: threading.Thread, before: Stall | None) -> Stall | None:
     if not own:
         return None
     now, began = own[0], own[-1]
-    line = linecache.getline(now.f_code.co_filename, now.f_lineno).strip()
-    place = f"line {now.f_lineno} of {now.f_code.co_name}: {line}"
+    number = now.f_lineno or now.f_code.co_firstlineno  # an instruction may belong to no line
+    line = linecache.getline(now.f_code.co_filename, number).strip()
+    place = f"line {number} of {now.f_code.co_name}: {line}"
     since = before.since if before is not None and before.began is began else time.time()
     return Stall(began, since, place)
