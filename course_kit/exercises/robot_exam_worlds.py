@@ -56,8 +56,8 @@ def draw(kind: str, chance: Random) -> Task:
         for goal in chance.sample(where.goals, len(where.goals)):
             if math.dist(where.start[:2], goal) > FARTHEST or _is_known(where, goal) or _is_straight(where, goal):
                 continue
+            way = length(np.array(a_way(where, where.start[:2], goal)))
             try:
-                way = length(np.array(a_way(where, where.start[:2], goal)))
                 if SHORTEST < way < FARTHEST and _is_hidden(where, goal) and _is_fair(where, goal, way):
                     return Task(where, goal, way)
             except PlanError:  # one of the planners gets into a wall that it sees too late
