@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from playwright.sync_api import expect
 
 from tests.lab import CHROMIUM, Lab, lab_on, until
 
@@ -50,8 +51,13 @@ def form(lab: Lab, cell: str) -> Any:
     return shown
 
 
-def said(form: Any, selector: str = "[role=status]") -> str:
+def said(form: Any, selector: str) -> str:
     return str(form.locator(selector).inner_text())
+
+
+def wait_for_status(form: Any, pattern: str) -> None:
+    """Wait until the form says how sending goes in words that begin with a pattern."""
+    expect(form.get_by_role("status")).to_have_text(re.compile(f"^{pattern}"), timeout=20_000)
 
 
 def speed(lab: Lab) -> float:
@@ -97,7 +103,7 @@ def test_a_topic_by_the_keyboard_alone(lab: Lab) -> None:
     velocity.locator("input").first.focus()  # running a cell has taken it
     retype(lab, "2")
     lab.page.keyboard.press("Enter")
-    until(lab, lambda: said(velocity) == "1 sent, to 1 subscription")
+    wait_for_status(velocity, "1 sent, to 1 subscription$")
     assert velocity.locator("[aria-invalid=true]").count() == 0
     until(lab, lambda: speed(lab) == 2.0)
 
@@ -110,10 +116,10 @@ def test_a_topic_by_the_keyboard_alone(lab: Lab) -> None:
     retype(lab, "20")
     tab_to(lab, "Start at", "Shift+Tab")
     lab.page.keyboard.press("Enter")
-    until(lab, lambda: re.match(r"publishing at 20 Hz, [1-9]\d sent, to 1 subscription", said(velocity)))
+    wait_for_status(velocity, r"publishing at 20 Hz, [1-9]\d sent, to 1 subscription")
     tab_to(lab, "Stop")
     lab.page.keyboard.press("Space")
-    until(lab, lambda: not said(velocity).startswith("publishing"))
+    wait_for_status(velocity, "(?!publishing)")
     tab_to(lab, "The same as a command and in Python")
     lab.page.keyboard.press("Enter")
     command = "ros2 topic pub --once /turtle1/cmd_vel geometry_msgs/msg/Twist '{linear: {x: 2.0}, angular: {z: 0.5}}'"
@@ -137,7 +143,7 @@ def test_a_service_is_called_and_its_answer_shown(lab: Lab) -> None:
     spawn = form(lab, "call")
     spawn.get_by_label("name string").fill("leonardo")
     spawn.get_by_role("button", name="Call").click()
-    until(lab, lambda: said(spawn).startswith("answered after "))
+    wait_for_status(spawn, "answered after ")
     assert said(spawn, "[aria-label=Answer]") == "name: leonardo"
 
 
@@ -145,10 +151,10 @@ def test_a_goal_is_followed_and_cancelled(lab: Lab) -> None:
     turn = form(lab, "goal")
     turn.get_by_label("theta float32").fill("3.1")
     turn.get_by_role("button", name="Send goal").click()
-    until(lab, lambda: said(turn).startswith("EXECUTING"))
+    wait_for_status(turn, "EXECUTING")
     assert "remaining: " in said(turn, "[aria-label=Answer]")
     turn.get_by_role("button", name="Cancel goal").click()
-    until(lab, lambda: said(turn).startswith("CANCELED after "))
+    wait_for_status(turn, "CANCELED after ")
     assert "delta: " in said(turn, "[aria-label=Answer]")
 
 
@@ -186,7 +192,7 @@ def test_what_is_typed_in_is_there_after_a_reload(lab: Lab) -> None:
     assert spawn.get_by_label("x float32").input_value() == "7.5"
     assert spawn.get_by_label("name string").input_value() == "two words"
     spawn.get_by_role("button", name="Call").click()
-    until(lab, lambda: said(spawn).startswith("answered after "))
+    wait_for_status(spawn, "answered after ")
 
 
 @pytest.mark.parametrize("theme", ["JupyterLab Light", "JupyterLab Dark"])
