@@ -196,14 +196,13 @@ def is_steady(times: Sequence[int], wanted: float, within: float) -> bool:
     return abs(rate_of(times) - wanted) <= within * wanted and sum(even) >= 0.7 * len(even)
 
 
-def expect_rate(heard: Heard, wanted: float, within: float, points: int = 1, hint: str = "") -> bool:
+def expect_rate(heard: Heard, wanted: float, within: float) -> bool:
     """The messages came at a rate (Hz), but for a part of it (`within`)."""
     measured = rate(heard)
     came = f"{len(heard)} message came, too few for a rate." if math.isnan(measured) else f"It was {measured:.1f} Hz."
-    why = hint or f"The period is in seconds: 1 / {wanted:g} = {1 / wanted:g}."
     return expect(
         f"`{heard.topic}` has {wanted:g} messages a second",
         abs(measured - wanted) <= within * wanted,
-        f"{came} {why} `%ros2 topic hz {heard.topic}` measures it.",
-        points,
+        f"{came} The period is in seconds: 1 / {wanted:g} = {1 / wanted:g}. "
+        f"`%ros2 topic hz {heard.topic}` measures it.",
     )

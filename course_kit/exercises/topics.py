@@ -86,7 +86,7 @@ def _is_even(times: list[int]) -> bool:
 
 
 def _why_not_five_a_second(counts: list[list[int]]) -> str:
-    """What is wrong in the times (ns) of the counts: each has the right mean period, and one of them is even."""
+    """Name the fault in the times (ns) of the counts, if any: a wrong mean period, or none of them even."""
     if all(map(_is_in_time, counts)) and any(map(_is_even, counts)):
         return ""
     worst = max(counts, key=lambda times: abs(rate_of(times) - 5.0))
