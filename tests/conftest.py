@@ -52,7 +52,8 @@ def pytest_configure(config: pytest.Config) -> None:
     is_whole = config.getoption("dist") == "loadgroup"
     if is_whole:
         tier = of_whole_run(tier.name, config.getoption("numprocesses") or 1)
-    config.pluginmanager.register(Report(is_whole and not IS_WORKER))  # not of a run that a test of a run has started
+    is_measured = is_whole and not IS_WORKER  # not a run that a test of a run has started
+    config.pluginmanager.register(Report(config, is_measured))
     os.environ[TIER] = json.dumps(asdict(tier))
 
 

@@ -1,7 +1,8 @@
-"""The end of a run's report: what was left to another run, what could not be run here, the slowest groups."""
+"""The report of a run: each failure at once; at the end the tests left or not run, and the slowest groups."""
 
 from __future__ import annotations
 
+import time
 from collections import Counter
 from typing import Any
 
@@ -10,12 +11,14 @@ import pytest
 from tests.durations import FIXTURES, Measured
 
 SLOWEST = 10
+LAST = 25  # lines of a failure that are shown at once; pytest shows it whole at the end of the run
 
 
 class Report:
-    """A plugin of the process that has the workers: it measures a whole run, and reports at the end."""
+    """A plugin of the process that has the workers: it reports, and measures a whole run."""
 
-    def __init__(self, is_whole: bool) -> None:
+    def __init__(self, config: pytest.Config, is_whole: bool) -> None:
+        self.plugins = config.pluginmanager
         self.is_whole = is_whole
         self.measured = Measured()
         self.not_run: Counter[str] = Counter()  # tests by the reason why they were skipped
@@ -25,8 +28,18 @@ class Report:
         if self.is_whole:
             test, _, group = report.nodeid.rpartition("@")
             self.measured.add(group, test if report.when == "call" else FIXTURES, report.duration)
+            if report.failed:
+                self.say_at_once(report)
         if report.skipped and isinstance(report.longrepr, tuple):
             self.not_run[report.longrepr[2].removeprefix("Skipped: ")] += 1
+
+    def say_at_once(self, report: pytest.TestReport) -> None:
+        """Print the end of a failure: nobody sees the summary of a run that is killed."""
+        terminal: Any = self.plugins.get_plugin("terminalreporter")
+        say = terminal.write_line
+        say(f"\n{time.strftime('%H:%M:%S')} {report.when} of {report.nodeid} failed:")
+        for line in report.longreprtext.splitlines()[-LAST:]:
+            say(f"    {line}")
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node: Any) -> None:

@@ -29,6 +29,7 @@ from course_kit.calls.service_calls import calls_of
 from course_kit.colcon.install_plots import plot_install
 from course_kit.live.turtle import drive
 from course_kit.robot import Robot
+from course_kit.ros_graph import discovery
 from course_kit.ros_graph.action_plots import plot_action
 from course_kit.turtlesim import TurtleSim
 
@@ -293,6 +294,24 @@ def problem(call: Callable[[], Any]) -> str | None:
 def test_it_is_refused_in_one_sentence(row: Row) -> None:
     wrong = [f"{name}: {found}" for name, call in row.calls() if (found := problem(call))]
     assert not wrong, "\n" + "\n".join(wrong)
+
+
+NO_PART: dict[str, Callable[[], Any]] = {
+    "a topic in a scene": lambda: course_kit.plot_scene(""),
+    "a node in a graph": lambda: course_kit.plot_graph("a b"),
+    "a namespace in a graph": lambda: course_kit.plot_graph(namespace="a b"),
+    "a node in a live graph": lambda: course_kit.show_graph("a b"),
+    "a namespace in a live graph": lambda: course_kit.show_graph(namespace="a b"),
+}
+
+
+@pytest.mark.parametrize("what", NO_PART)
+def test_a_name_that_none_can_have_is_refused_before_the_graph_is_known(
+    what: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(discovery, "of", lambda *_, **__: pytest.fail("it waits for the graph"))
+    with pytest.raises(ValueError, match=r"cannot be the name of a topic|must be (the name of a node|a namespace)"):
+        NO_PART[what]()
 
 
 NO_EXERCISE = [None, 3, "", "setup", "setup-99", [], b"setup-1", HALF, "a" * 100_000, object()]

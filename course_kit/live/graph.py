@@ -14,7 +14,7 @@ from course_kit.live.life import stop_all
 from course_kit.live.shown import Bundle
 from course_kit.live.view import View, as_text
 from course_kit.ros_graph.graph_data import Snapshot
-from course_kit.ros_graph.graph_plots import draw_graph, look, observer
+from course_kit.ros_graph.graph_plots import check_part, draw_graph, look, observer
 
 PERIOD = 0.2  # seconds between two looks at the graph; one takes 10 ms for 60 nodes
 PARAMETERS = 1.0  # where each look asks all nodes for their parameters
@@ -86,6 +86,7 @@ def show_graph(
         "actions": actions,
         "parameters": parameters,
     }
+    check_part(node, namespace)
     stop_all(lambda other: isinstance(other, GraphView) and str(other.wanted) == str(wanted))
     # Asked for once: it would start ROS again, in the view's thread, where a student has shut it down.
     watching = observer()

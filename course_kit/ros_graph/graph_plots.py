@@ -48,7 +48,14 @@ def plot_graph(
     underscore, /rosout, /parameter_events and the services that every node has. Raises ValueError if there is no
     such node. Stands for rqt_graph.
     """
+    check_part(node, namespace)
     return draw_graph(look(observer(), node, namespace, hidden, services, actions, parameters))
+
+
+def check_part(node: Any, namespace: str | None) -> None:
+    """Refuse a part of the graph that cannot be one, before the graph is waited for."""
+    (NAMESPACE | None).check("namespace", namespace)
+    _full_name(node)
 
 
 def observer() -> Node:
@@ -68,7 +75,6 @@ def look(
     parameters: bool = False,
 ) -> Snapshot:
     """The graph as the node `watching` sees it now, as data; the rest is what plot_graph() takes."""
-    (NAMESPACE | None).check("namespace", namespace)
     within = None if namespace is None else "/" + namespace.strip("/")
     there = graph.snapshot(watching, hidden, services, actions).around(_full_name(node), within)
     if parameters:

@@ -19,6 +19,7 @@ from course_kit.polling import wait_until
 from course_kit.scene.frames import TRANSFORMS, Float64s, Frames
 from course_kit.scene.given import listening, messages
 from course_kit.scene.scene import UNKNOWN, Layer, Scene, is_known, layer, scene
+from course_kit.watching import topics
 
 # Free, occupied and unknown cells; the ground outside a map is white, so free is not.
 FREE, OCCUPIED, NOT_KNOWN = "#e9eef4", "#15181c", "#a9aca6"
@@ -43,7 +44,10 @@ def plot_scene(
     TFMessage messages, all those of a recording of them, and, where topics are given, /tf and /tf_static. If none of
     them tells, it is left out, which one line below the figure says. Raises ValueError if nothing can be drawn.
     """
-    given = [*((None, one) for one in shown), *named.items()]
+    given = [
+        (label, topics.absolute(one) if isinstance(one, str) else one)
+        for label, one in [*((None, one) for one in shown), *named.items()]
+    ]
     with listening([one for _, one in given if isinstance(one, str)]) as heard:
         found = messages(given, timeout)
         layers = [
