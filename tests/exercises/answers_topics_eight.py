@@ -126,7 +126,10 @@ WRONG = [
         1,
         "before it turned the other way",
     ),
-    Wrong("one_command", driving("[(2.5, math.tau / 3)]"), 0, "a circle takes"),
+    # It does not stop the turtle, which a second without a command does: both at once would move it nowhere.
+    Wrong(
+        "one_command", changed(driving("[(2.5, math.tau / 3)]"), ("self.ticks >", "self.ticks >=")), 0, "a circle takes"
+    ),
 ]
 
 STYLES = {
