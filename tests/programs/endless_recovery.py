@@ -87,14 +87,19 @@ class Port:
 
 
 def recoveries(guard: str, times: int) -> list[float]:
-    """Have a writer recover so many times; return the seconds that each lasts. LONGEST is for ever, and the last."""
-    domain, counted = reserve_domain(), FOLDER / "counted"
-    counted.write_bytes(bytes(8))
+    """Have so many writers recover; return the seconds that each recovery lasts. LONGEST is for ever, and the last.
+
+    Each writer has its own domain. A writer makes the port of its dead reader anew and removes it with each message,
+    and may remove the port of a new reader that takes the same one.
+    """
+    counted = FOLDER / "counted"
     if guard == "another":
         watchdog.begin()
     lasted: list[float] = []
-    with process(WRITER, domain, str(counted), guard):
-        while len(lasted) < times and LONGEST not in lasted:
+    while len(lasted) < times and LONGEST not in lasted:
+        domain = reserve_domain()
+        counted.write_bytes(bytes(8))
+        with process(WRITER, domain, str(counted), guard):
             ports = ports_of_dead_reader(domain)
             wait_until(partial(is_any_awaited, ports))
             for port in ports:
