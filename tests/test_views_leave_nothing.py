@@ -53,7 +53,7 @@ def left():
         "megabytes": psutil.Process().memory_info().rss / 1e6,
     }
 """
-WARM_UP = 50  # views, until what is made once is made: the first 50 of a robot take 33 MB, the next 50 take 2 MB
+WARM_UP = 50  # views, until what is made once is made: the 11th to 50th of a robot take 33 MB, the next 50 take 2 MB
 KINDS = {
     "rates": "watch_rates('/turtle1/pose')",
     "values": "watch_values('/turtle1/pose.x')",
