@@ -85,10 +85,12 @@ def driving(*parts: str) -> str:
     return f"{DRIVER}{' + '.join(parts)}\n"
 
 
-LEFT, RIGHT = "[(2.5, math.tau / 3)] * 60", "[(2.5, -math.tau / 3)] * 60"
+# Slowly: a busy machine may let the turtle go on for a fifth of a second, and a figure is closed within 0.3 m.
+LEFT, RIGHT = "[(1.25, math.tau / 6)] * 120", "[(1.25, -math.tau / 6)] * 120"
+HALF_LEFT = "[(1.25, math.tau / 6)] * 60"
 HALF_A_TURN = "[(0.0, math.pi)] * 20"
-TO_THE_LEFT = "([(1.0, 0.0)] * 20 + [(0.0, math.pi / 2)] * 20) * 4"  # squares
-TO_THE_RIGHT = "([(1.0, 0.0)] * 20 + [(0.0, -math.pi / 2)] * 20) * 4"
+TO_THE_LEFT = "([(1.0, 0.0)] * 20 + [(0.0, math.pi / 4)] * 40) * 4"  # squares
+TO_THE_RIGHT = "([(1.0, 0.0)] * 20 + [(0.0, -math.pi / 4)] * 40) * 4"
 
 WRONG = [
     Wrong(
@@ -115,10 +117,10 @@ WRONG = [
     Wrong("squares", driving(TO_THE_LEFT, TO_THE_RIGHT), 2, "of the radius off a circle"),
     Wrong("one_over_the_other", driving(LEFT, HALF_A_TURN, RIGHT), 4, "It lies over the first"),
     Wrong("rests_too_long", driving(LEFT, "[(0.0, 0.0)] * 90", RIGHT), 3, "After the first it turned by 0°"),
-    Wrong("halves", driving("[(2.5, math.tau / 3)] * 30", RIGHT, "[(2.5, math.tau / 3)] * 30"), 2, "off a circle"),
+    Wrong("halves", driving(HALF_LEFT, RIGHT, HALF_LEFT), 2, "off a circle"),
     Wrong("tiny", driving("[(0.2, math.tau / 3)] * 60", "[(0.2, -math.tau / 3)] * 60"), 4, "Their lengths are 0.6 m"),
     Wrong("overlap", driving(LEFT, "[(0.0, 1.2)] * 20", RIGHT), 4, "It lies over the first"),
-    Wrong("three_circles", driving(LEFT, RIGHT, f"({LEFT})[8:]"), 1, "more than one circle"),
+    Wrong("three_circles", driving(LEFT, RIGHT, f"({LEFT})[16:]"), 1, "more than one circle"),
     # Slowly: a busy machine may let the turtle go on for a quarter of a second.
     Wrong(
         "300_degrees",
@@ -142,13 +144,13 @@ class FigureEight(Node):
         self.create_timer(0.05, self.tick)
 
     def tick(self):
-        # 80 ticks a circle (4 s), 50 ticks' rest (2.5 s) between them
-        if self.publisher.get_subscription_count() == 0 or self.ticks > 210:
+        # 120 ticks a circle (6 s), 50 ticks' rest (2.5 s) between them
+        if self.publisher.get_subscription_count() == 0 or self.ticks > 290:
             return
         twist = Twist()
-        if self.ticks < 80 or 130 <= self.ticks < 210:
-            twist.linear.x = 2.0
-            twist.angular.z = (-1 if self.ticks < 80 else 1) * math.tau / 4
+        if self.ticks < 120 or 170 <= self.ticks < 290:
+            twist.linear.x = 1.25
+            twist.angular.z = (-1 if self.ticks < 120 else 1) * math.tau / 6
         self.publisher.publish(twist)
         self.ticks += 1
 """,
