@@ -42,8 +42,10 @@ SOURCES_OF = "window.jupyterapp.shell.currentWidget.content.model.sharedModel.to
 def server(root: Path, config: Path, *arguments: str) -> Iterator[str]:
     """A JupyterLab on a folder; gives its address with the token. What it remembers of its user goes to `config`."""
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--ip=127.0.0.1", "--allow-root"]
+    # Each kernel's sockets are files: a free port may be taken before a kernel has it, and its page waits for minutes.
+    command += ["--expose-app-in-browser", f"--ServerApp.root_dir={root}", "--KernelManager.transport=ipc"]
     process = subprocess.Popen(
-        [*command, "--expose-app-in-browser", f"--ServerApp.root_dir={root}", *arguments],
+        [*command, *arguments],
         env={**os.environ, "JUPYTER_CONFIG_DIR": str(config)},
         stderr=subprocess.PIPE,
         text=True,
