@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -44,13 +45,29 @@ def server(root: Path, config: Path, *arguments: str) -> Iterator[str]:
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--ip=127.0.0.1", "--allow-root"]
     # Each kernel's sockets are files: a free port may be taken before a kernel has it, and its page waits for minutes.
     command += ["--expose-app-in-browser", f"--ServerApp.root_dir={root}", "--KernelManager.transport=ipc"]
-    process = subprocess.Popen(
-        [*command, *arguments],
-        env={**os.environ, "JUPYTER_CONFIG_DIR": str(config)},
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
+    # A short name, for that of a socket has 107 characters at most; a kernel may remove its sockets at the same time.
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as runtime:
+        process = subprocess.Popen(
+            [*command, *arguments],
+            env={"JUPYTER_RUNTIME_DIR": runtime, **os.environ, "JUPYTER_CONFIG_DIR": str(config)},
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        try:
+            yield address_of(process)
+        finally:
+            os.killpg(process.pid, signal.SIGTERM)
+            try:
+                process.wait(timeout=20)
+            except subprocess.TimeoutExpired:  # seen once in hundreds of its starts, on a busy machine
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+                warnings.warn("JupyterLab did not end within 20 s of its SIGTERM, and was killed", stacklevel=1)
+
+
+def address_of(process: subprocess.Popen[str]) -> str:
+    """The address, with the token, of a JupyterLab that has been started, once it listens there."""
     address: list[str] = []
     found = threading.Event()
 
@@ -62,18 +79,9 @@ def server(root: Path, config: Path, *arguments: str) -> Iterator[str]:
                 found.set()
 
     threading.Thread(target=read, daemon=True).start()
-    try:
-        assert found.wait(60), "JupyterLab did not tell its address within 60 s"
-        wait_until(lambda: listens(address[0]))  # it tells the address a moment before
-        yield address[0]
-    finally:
-        os.killpg(process.pid, signal.SIGTERM)
-        try:
-            process.wait(timeout=20)
-        except subprocess.TimeoutExpired:  # seen once in hundreds of its starts, on a busy machine
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-            warnings.warn("JupyterLab did not end within 20 s of its SIGTERM, and was killed", stacklevel=1)
+    assert found.wait(60), "JupyterLab did not tell its address within 60 s"
+    wait_until(lambda: listens(address[0]))  # it tells the address a moment before
+    return address[0]
 
 
 def listens(address: str) -> bool:

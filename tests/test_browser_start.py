@@ -7,7 +7,9 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import nbformat
@@ -36,12 +38,12 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     output = new_output("display_data", data={"text/html": "<b>theirs</b>"})
     spec = {"kernelspec": {"name": "python3", "display_name": KERNEL, "language": "python"}}
     nbformat.write(new_notebook(cells=[new_code_cell("1", outputs=[output])], metadata=spec), root / STRANGERS)
-    with pytest.MonkeyPatch.context() as patch:
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as runtime:
         patch.setenv("JUPYTER_DATA_DIR", str(home / "data"))
-        patch.setenv("JUPYTER_RUNTIME_DIR", str(home / "runtime"))
+        patch.setenv("JUPYTER_RUNTIME_DIR", runtime)
         patch.setenv("XDG_STATE_HOME", str(home / "state"))
         with server(root, home / "config"):
-            (announced,) = (home / "runtime").glob("jpserver-*.json")
+            (announced,) = Path(runtime).glob("jpserver-*.json")
             process = announced.stem.removeprefix("jpserver-")
             command = [sys.executable, "-m", "course_kit.environment.address", process]
             said = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
