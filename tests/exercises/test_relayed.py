@@ -33,6 +33,13 @@ def test_a_step_beside_a_pose_that_waited_is_explained(late, unexplained):
     assert lossy.is_every_tenth(lost=1) == (unexplained <= 1)
 
 
+def test_the_places_of_uneven_steps_stay_where_a_queue_has_lost_some_before():
+    one_of_four_later = [9, 19, 29, 39, 50, 60, 70, 80, 91]
+    assert relayed(one_of_four_later, set()).uneven == {3, 7}
+    assert relayed([n + (n > 20) for n in one_of_four_later], set()).uneven == {1, 3, 7}
+    assert relayed(EACH_TENTH, set()).uneven == set()
+
+
 def test_what_comes_too_early_is_not_lost():
     early = relayed([9, 18, 28, 38, 48, 58, 68, 78, 88, 98], {9, 18})
     assert not early.may_be_disturbed and not early.is_every_tenth(lost=1)
