@@ -108,13 +108,17 @@ def cause(found: GridMap, world: World, reference: GridMap, odoms: Sequence[Plac
 
 
 def _best_shift(found: GridMap, reference: GridMap) -> tuple[float, float]:
-    """Metres by which a map is to be moved so that its walls lie on those of another: by their middles."""
-    walls = [one.centres(*np.nonzero(one.cells >= WALL)) for one in (found, reference)]
-    if not all(map(len, walls)):
-        return 0.0, 0.0
-    low, high = ((np.percentile(one, [2, 98], axis=0)).mean(axis=0) for one in walls)
-    x, y = (high - low).tolist()
-    return float(x), float(y)
+    """Metres by which a map is to be moved so that the most of its walls lie on those of another."""
+    from scipy.signal import correlate  # takes its time, and a right map does not ask
+
+    walls, others = ((one.cells >= WALL).astype(float) for one in (found, reference))
+    overlap = correlate(others, walls, method="fft")
+    place = np.unravel_index(overlap.argmax(), overlap.shape)
+    y, x = (int(end) - (size - 1) for end, size in zip(place, walls.shape, strict=True))
+    return (
+        x * CELL + reference.origin[0] - found.origin[0],
+        y * CELL + reference.origin[1] - found.origin[1],
+    )
 
 
 def _has_walls_of(walled: GridMap, found: GridMap, world: World) -> bool:
