@@ -133,6 +133,8 @@ def star_server() -> None:
         f"drove {paths.length(star.poses):.1f} m and turned by {paths.turned(star.poses):.0f}°.",
     )
     unwanted = _cancelled(trip, client)
+    if trip.was_late(unwanted) and not _is_home(unwanted) and time_left() > STARS * usual:
+        unwanted = _cancelled(trip, client)
     pre_empted, second = _one_after_another(trip, client, *sides, patience=ABORT_TIMEOUT)
     if pre_empted.goal.word == "aborted":  # else two drive the turtle at the same time
         second.goal.wait(STAR_TIMEOUT)
@@ -220,10 +222,14 @@ def _expect_stars(stars: list[Star]) -> None:
     )
 
 
+def _is_home(star: Star) -> bool:
+    return star.goal.word == "canceled" and star.gap < AWAY and paths.carried(star.poses) < CARRIED
+
+
 def _expect_home(star: Star) -> None:
     expect(
         "cancelled, the turtle is back where the star began before the goal is canceled",
-        star.goal.word == "canceled" and star.gap < AWAY and paths.carried(star.poses) < CARRIED,
+        _is_home(star),
         f"The goal is {star.goal.word}, and the turtle {star.gap:.1f} m from where this star began: a "
         "cancel_callback that accepts, and `goal_handle.canceled()` only after the way back, which it drives.",
     )
