@@ -188,7 +188,7 @@ ANSWERS = [
             ),
             Wrong("short", changed(CIRCLE, ("2.0, 1.2", "2.0, 3.0"), ("440", "200")), 1, "drive while it records"),
             Wrong("spins", drives((2.0, 0.0, 2.0), (0.0, 3.0, 4.0)), 1, "drive and turn at the same time"),
-            Wrong("too_slow", drives((2.0, 0.0, 1.0), (0.8, 1.5, 5.0)), 1, "0.8 m/s where it is slowest"),
+            Wrong("too_slow", drives((2.0, 0.0, 1.0), (0.8, 1.5, 7.0)), 1, "0.8 m/s where it is slowest"),
             Wrong("square", drives(*[(2.0, 0.0, 1.0), (0.0, math.pi / 2, 1.0)] * 4), 1, "never round on one circle"),
             Wrong("spiral", drives(*[(1.0 + 0.5 * n, 1.5, 0.7) for n in range(8)]), 1, "never round on one circle"),
         ],
