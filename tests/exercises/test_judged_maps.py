@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,10 +10,11 @@ import pytest
 from course_kit.examining.judged_maps import CELL, cause
 from course_kit.navigation.grid import Grid
 from course_kit.navigation.grid_map import GridMap
+from course_kit.navigation.places import Floats
 from course_kit.robot.world import World
 from course_kit.robot.worlds import world
 
-ANGLES = np.linspace(-math.pi, math.pi, 360, endpoint=False)
+ANGLES: Floats = np.radians(np.arange(360.0))
 REACH = 2.2  # m
 ELSEWHERE = (0.62, -1.87)  # m, where the origin of a map is not
 
