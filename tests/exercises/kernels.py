@@ -30,6 +30,7 @@ class Shown(NamedTuple):
     answer: Put
     text: str
     seconds: float
+    raised: str  # by the answer's cell, if anything
 
 
 class _Notebook:
@@ -40,17 +41,20 @@ class _Notebook:
         self._stack = ExitStack()
         self._open: Chapter | None = None
 
-    def verdict(self, answer: Put) -> str:
-        """What the check says of an answer."""
+    def verdict(self, answer: Put) -> tuple[str, str]:
+        """What the check says of an answer, and what the answer's cell raised."""
         try:
             if self._open is None:
                 self._open = self._stack.enter_context(chapter(self._name))
                 self._open.begin(answer.exercise)
-            self._open.kernel.finish(self._open.kernel.send(answer.source), CELL_TIMEOUT)
-            return self._open.check(answer.exercise)
+            kernel = self._open.kernel
+            cell = kernel.send(answer.source)
+            kernel.finish(cell, CELL_TIMEOUT)
+            raised = [m["content"]["evalue"] for m in kernel.of(cell) if m["msg_type"] == "error"]
+            return self._open.check(answer.exercise), "".join(raised)
         except Exception as error:  # it hangs, or has ended its kernel
             self.close()
-            return f"no verdict: {str(error)[:200]}"
+            return f"no verdict: {str(error)[:200]}", ""
 
     def close(self) -> None:
         self._stack.close()
@@ -62,7 +66,8 @@ def _work(name: str, todo: Any, shown: Any) -> None:
     notebook = _Notebook(name)
     while (answer := todo.get()) is not None:
         began = time.monotonic()
-        shown.put(Shown(answer, notebook.verdict(answer), time.monotonic() - began))
+        text, raised = notebook.verdict(answer)
+        shown.put(Shown(answer, text, time.monotonic() - began, raised))
     notebook.close()
 
 

@@ -41,7 +41,8 @@ def main() -> int:
                     judge(shown.text, *answers[shown.answer])
                 except AssertionError as error:
                     wrong[shown.answer.name] += 1
-                    print(f"{shown.answer.name}: {error}", flush=True)
+                    raised = f"; its cell raised {shown.raised}" if shown.raised else ""
+                    print(f"{shown.answer.name}{raised}: {error}", flush=True)
             if answers:
                 seconds = time.monotonic() - began
                 print(f"{name}: {len(answers)} answers, {chosen.times} times, in {seconds:.0f} s", flush=True)
