@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import subprocess
 import time
 from collections import Counter
 from typing import Any
@@ -42,9 +44,14 @@ class Report:
             say(f"    {line}")
 
     @pytest.hookimpl(optionalhook=True)
-    def pytest_testnodedown(self, node: Any) -> None:
-        """Take what a worker says of the choice; each says the same."""
+    def pytest_testnodedown(self, node: Any, error: object) -> None:
+        """Take what a worker says of the choice, where each says the same; say how one ended in the midst of a test."""
         self.left = getattr(node, "workeroutput", {}).get("left", self.left)
+        if error:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                status = node.gateway._io.popen.wait(5)  # below zero: the number of a signal
+                terminal: Any = self.plugins.get_plugin("terminalreporter")
+                terminal.write_line(f"\n{node.gateway.id} ended with {status}")
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         say = terminalreporter.write_line
