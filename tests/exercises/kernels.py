@@ -42,7 +42,7 @@ class _Notebook:
         self._open: Chapter | None = None
 
     def verdict(self, answer: Put) -> tuple[str, str]:
-        """What the check says of an answer, and what the answer's cell raised."""
+        """Return the text of the check of an answer, and the error that the answer's cell raised, if any."""
         try:
             if self._open is None:
                 self._open = self._stack.enter_context(chapter(self._name))

@@ -1,4 +1,4 @@
-"""What the check of robot-4 says of a map that is wrong."""
+"""Hints of the check of robot-4 for maps that are wrong."""
 
 from __future__ import annotations
 
