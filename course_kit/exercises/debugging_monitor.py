@@ -31,11 +31,13 @@ WANTED = {SCANS: 10.0, POSES: 62.5}  # Hz
 LEVEL_OF = {"more": "OK", "full": "OK", "most": "WARN", "third": "WARN", "none": "STALE"}
 # Parts of the rates. Scans are few, so what a second has of them is a tenth more or less.
 PARTS = {
-    SCANS: {"more": (1.45, 1.6), "full": (0.88, 0.91), "most": (0.6, 0.65), "third": (0.3, 0.4), "none": (0.0, 0.0)},
+    SCANS: {"more": (1.45, 1.6), "full": (0.83, 0.86), "most": (0.6, 0.65), "third": (0.3, 0.4), "none": (0.0, 0.0)},
     POSES: {"more": (1.3, 1.4), "full": (0.86, 0.88), "most": (0.7, 0.73), "third": (0.3, 0.4), "none": (0.0, 0.0)},
 }
 STEADY = 1.9  # seconds after a change in which a report may be of both rates; a change follows a report
-REPORTS = 3  # one of which must be right: a busy machine may count a little early or late
+REPORTS = 3  # in time, one of which must be right: messages and timers may be a little early or late
+LATE = 0.045  # seconds; with it a second has nine of 8.6 scans at most
+SENT_WITHIN = 0.02  # parts of a rate, and one message
 RATE_WITHIN = 0.2  # parts of a rate, and one message
 FIRST_REPORT = 3.3  # seconds
 TEXT_POINTS = "count what comes, look once a second, begin to count anew"
@@ -54,7 +56,7 @@ def monitor() -> None:
     heard = listen("/diagnostics", DiagnosticArray)
     wait(lambda: len(heard), FIRST_REPORT, "the first report")
     pause(0.1)
-    silence = _Phase(dict.fromkeys(WANTED, "none"), dict.fromkeys(WANTED, 0.0))
+    silence = Phase(dict.fromkeys(WANTED, "none"), dict.fromkeys(WANTED, 0.0))
     silence.look_at(heard.arrivals)
     phases = [silence, *(_run(phase, publishers, heard) for phase in _phases())]
     named = [[status.name for status in report.status] for report in heard.messages]
@@ -88,26 +90,56 @@ def monitor() -> None:
 
 
 @dataclass
-class _Phase:
+class TopicStatus:
+    """Holds one topic's status of one report, and what was true then."""
+
+    level: str
+    text: str | None  # of `rate`
+    sent: int  # messages in the second before it: a busy machine does not get to all
+    after: float | None  # seconds since the topic's status before it
+
+
+@dataclass
+class Phase:
     """A time in which the rates are steady, and what was reported of them then."""
 
     kinds: Mapping[str, str]
     rates: Mapping[str, float]  # Hz
-    levels: dict[str, list[str]] = field(default_factory=lambda: {topic: [] for topic in WANTED})
-    texts: dict[str, list[str | None]] = field(default_factory=lambda: {topic: [] for topic in WANTED})
     sent: dict[str, list[int]] = field(default_factory=lambda: {topic: [] for topic in WANTED})  # when, ns
-    # What was sent in the second before a report, Hz: a busy machine does not get to all.
-    truly: dict[str, list[float]] = field(default_factory=lambda: {topic: [] for topic in WANTED})
+    said: dict[str, list[TopicStatus]] = field(default_factory=lambda: {topic: [] for topic in WANTED})
 
-    def look_at(self, reports: list[tuple[int, Any]]) -> None:
-        """Note what some reports say, each with when it came in ns."""
+    def look_at(self, reports: list[tuple[int, Any]], since: int = 0) -> None:
+        """Note what the reports since a time say, of all that came: each with when it came, in ns as the time is."""
+        self.said = {topic: [] for topic in WANTED}
+        before: dict[str, int] = {}
         for when, report in reports:
             for status in report.status:
-                if status.name in WANTED:
-                    self.levels[status.name].append(LEVELS.get(bytes(status.level), "?"))
+                if (topic := status.name) not in WANTED:
+                    continue
+                if when >= since:
+                    level = LEVELS.get(bytes(status.level), "?")
                     text = next((pair.value for pair in status.values if pair.key == "rate"), None)
-                    self.texts[status.name].append(text)
-                    self.truly[status.name].append(sum(when - 1e9 < each <= when for each in self.sent[status.name]))
+                    sent = sum(when - 1e9 < each <= when for each in self.sent[topic])
+                    after = (when - before[topic]) / 1e9 if topic in before else None
+                    self.said[topic].append(TopicStatus(level, text, sent, after))
+                before[topic] = when
+
+    def in_time(self, topic: str) -> list[TopicStatus]:
+        """Statuses of a topic behind a second in which neither the checker nor the monitor was late.
+
+        In a longer second, or in one into which late messages fall, a monitor that is wrong may count enough.
+        """
+        return [
+            each
+            for each in self.said[topic]
+            if each.after is not None
+            and abs(each.after - 1.0) <= LATE
+            and abs(each.sent - self.rates[topic]) <= 1.0 + SENT_WITHIN * self.rates[topic]
+        ]
+
+    def judged(self, topic: str) -> list[TopicStatus]:
+        """Statuses of a topic that count: all, where none was in time."""
+        return self.in_time(topic) or self.said[topic]
 
     @property
     def is_right(self) -> bool:
@@ -117,19 +149,20 @@ class _Phase:
     def wrong_levels(self, wanted: str) -> list[str]:
         """Of the topics that should have this level, those that never had it, in words."""
         return [
-            f"While {self._came(topic)} it said {(seen or ['nothing'])[-1]}."
-            for topic, seen in self.levels.items()
-            if LEVEL_OF[self.kinds[topic]] == wanted and wanted not in seen
+            f"While {self._came(topic)} it said {(levels or ['nothing'])[-1]}."
+            for topic in WANTED
+            if LEVEL_OF[self.kinds[topic]] == wanted
+            and wanted not in (levels := [each.level for each in self.judged(topic)])
         ]
 
     def wrong_rates(self) -> list[str]:
         """The topics whose rate was never told, in words."""
         return [
-            f"While {self._came(topic)}, `rate` was {_quoted(seen)}."
-            for topic, seen in self.texts.items()
+            f"While {self._came(topic)}, `rate` was {_quoted([each.text for each in self.said[topic]])}."
+            for topic, rate in self.rates.items()
             if not any(
-                text is not None and (_is_about(text, self.rates[topic]) or _is_about(text, truly))
-                for text, truly in zip(seen, self.truly[topic], strict=True)
+                each.text is not None and (_is_about(each.text, rate) or _is_about(each.text, each.sent))
+                for each in self.said[topic]
             )
         ]
 
@@ -137,7 +170,7 @@ class _Phase:
         return f"{self.rates[topic]:.1f} of {WANTED[topic]:g} messages a second came on {topic}"
 
 
-def _phases() -> list[_Phase]:
+def _phases() -> list[Phase]:
     """Five pairs of rates: each topic has each kind once, never both the same level, at first never none."""
     while True:
         scans, poses = (chance().sample(sorted(LEVEL_OF), len(LEVEL_OF)) for _ in WANTED)
@@ -146,27 +179,29 @@ def _phases() -> list[_Phase]:
             break
     phases = [{SCANS: a, POSES: b} for a, b in pairs]
     return [
-        _Phase(kinds, {topic: WANTED[topic] * chance().uniform(*PARTS[topic][kinds[topic]]) for topic in WANTED})
+        Phase(kinds, {topic: WANTED[topic] * chance().uniform(*PARTS[topic][kinds[topic]]) for topic in WANTED})
         for kinds in phases
     ]
 
 
-def _run(phase: _Phase, publishers: Mapping[str, Any], heard: Heard) -> _Phase:
+def _run(phase: Phase, publishers: Mapping[str, Any], heard: Heard) -> Phase:
     """Publish at the rates of a phase until a report is right, or some are not."""
     began, since = time.monotonic(), time.time_ns() + int(STEADY * 1e9)
     due = {topic: began + chance().random() / rate for topic, rate in phase.rates.items() if rate}
     messages = {SCANS: LaserScan(ranges=[1.0]), POSES: Pose()}
-    seen = 0
-    while seen < REPORTS and time.monotonic() < began + STEADY + REPORTS + 1:
+    looked_at = 0
+    while time.monotonic() < began + STEADY + REPORTS + 1:
         now = time.monotonic()
         for topic in [topic for topic, when in due.items() if when <= now]:
             publishers[topic].publish(messages[topic])
             phase.sent[topic].append(time.time_ns())
             due[topic] += 1 / phase.rates[topic]
-        if len(new := [when for when in heard.times if when >= since]) > seen:
-            phase.look_at([(when, report) for when, report in heard.arrivals if when >= since][seen : len(new)])
-            seen = len(new)
-            if phase.is_right:
+        if len(heard) > looked_at:
+            arrivals = heard.arrivals
+            phase.look_at(arrivals, since)
+            looked_at = len(arrivals)
+            reports = min(len(phase.in_time(topic)) for topic in WANTED)
+            if reports >= REPORTS or (reports and phase.is_right):
                 break
         pause(max(0.0, min([*due.values(), now + 0.05]) - time.monotonic()))
     return phase

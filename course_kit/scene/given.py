@@ -49,7 +49,10 @@ def listening(wanted: Sequence[str]) -> Iterator[Callable[[], list[Given]]]:
 
 
 def messages(given: list[tuple[str | None, Any]], timeout: float) -> list[Given]:
-    """What is given, each with its label, those that occur twice numbered: of absolute topics and recordings too."""
+    """Messages of the views given, each with its label; those that occur twice are numbered.
+
+    Reads absolute topics and recordings too.
+    """
     wanted = [one for _, one in given if isinstance(one, str)]
     came = record(*wanted, count=1, timeout=timeout) if wanted else None
     found: list[Given] = []
