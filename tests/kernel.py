@@ -53,7 +53,7 @@ class Kernel:
         """Run a cell to its end; return its message id. AssertionError if it raised."""
         cell = self.send(code, identity)
         self.finish(cell, timeout)
-        errors = [m["content"] for m in self.of(cell) if m["msg_type"] == "error"]
+        errors = self.errors(cell)
         assert not errors, "\n".join(errors[0]["traceback"])
         return cell
 
@@ -71,6 +71,10 @@ class Kernel:
             with contextlib.suppress(Empty):
                 self.messages.append(self.client.get_iopub_msg(timeout=0.1))
         return value
+
+    def errors(self, cell: str) -> list[Message]:
+        """The errors that a cell raised: `ename`, `evalue` and `traceback` of each."""
+        return [m["content"] for m in self.of(cell) if m["msg_type"] == "error"]
 
     def of(self, cell: str) -> list[Message]:
         """The messages that belong to a cell."""

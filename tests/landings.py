@@ -57,13 +57,14 @@ def _drawn(left: Sequence[int], commit: str) -> int:
 
 def part_of(name: str) -> int:
     """The part that a group of tests, or a case, belongs to: by its name alone, so it stays when others come and go."""
-    return _number(name) % PARTS
+    return number_of(name) % PARTS
 
 
 def half_of(name: str) -> int:
     """The half of its part that a group of tests, or a case, belongs to."""
-    return _number(name) // PARTS % HALVES
+    return number_of(name) // PARTS % HALVES
 
 
-def _number(name: str) -> int:
+def number_of(name: str) -> int:
+    """A number of a name, by which names come in an order that has nothing to do with what they are."""
     return int(hashlib.sha256(f"{SALT} {name}".encode()).hexdigest(), 16)

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from tests.durations import Durations, function_of
-from tests.landings import PARTS, half_of, part_of
+from tests.landings import PARTS, half_of, number_of, part_of
 
 TIERS = {
     "full": "every kind: all cases where the change since the last landing is, of the rest those whose turn it is",
@@ -72,7 +72,7 @@ class Tier:
 
 @dataclass
 class Choice:
-    """The groups of a run in their order, the longest first, and what is left to another one."""
+    """The groups of a run in their order, and what is left to another one."""
 
     chosen: dict[str, list[Candidate]] = field(default_factory=dict)
     other_turns: list[str] = field(default_factory=list)  # groups of which tests are left to another turn
@@ -103,9 +103,13 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
             spent += more[group]
         elif more[group]:
             choice.beyond_limit.append(group)
-    # With --all part after part: the longest groups of all parts at once would be too much for a machine.
-    order = sorted(chosen, key=lambda group: (tier.name == "all" and part_of(group), -seconds(group, chosen[group])))
-    choice.chosen = {group: chosen[group] for group in order if chosen[group]}
+
+    def place(group: str) -> tuple[bool, float]:
+        # With --all mixed until the last part: the longest ones, which compile and grade, would be too much at once.
+        is_last = tier.name != "all" or part_of(group) == PARTS - 1
+        return is_last, -seconds(group, chosen[group]) if is_last else number_of(group)
+
+    choice.chosen = {group: chosen[group] for group in sorted(chosen, key=place) if chosen[group]}
     left = {test for part in groups.values() for test in part} - {test for part in chosen.values() for test in part}
     choice.seconds = spent
     if tier.name == "changed":

@@ -12,7 +12,7 @@ import pytest
 
 from tests import durations, landings
 from tests.durations import Durations, Measured
-from tests.landings import HALVES, PARTS, half_of, part_of, turn
+from tests.landings import HALVES, PARTS, half_of, number_of, part_of, turn
 from tests.selection import Candidate, Tier, choose
 
 TESTS = [
@@ -56,12 +56,15 @@ def test_a_tier_has_its_tests_the_longest_group_first(tier: Tier, groups: dict[s
     assert list(run(tier)[0]) == list(groups)
 
 
-def test_everything_is_run_part_after_part_the_longest_group_of_each_first() -> None:
+def test_everything_is_run_mixed_and_of_the_last_part_the_longest_group_first() -> None:
     tests = [*TESTS, *(Candidate(f"more {number}", f"more {number}", "test_more") for number in range(20))]
     order = list(choose(tests, Tier("all"), SECONDS).chosen)
     assert {*order} == {test.group for test in tests}
+    last = [group for group in order if part_of(group) == PARTS - 1]
+    others = order[: -len(last)]
+    assert others == sorted(others, key=number_of) and {*others}.isdisjoint(last)
     seconds = {"bare": 70.0, "solved": 25.0, "quick": 7.0}
-    assert order == sorted(order, key=lambda group: (part_of(group), -seconds.get(group, durations.UNKNOWN)))
+    assert last == sorted(last, key=lambda group: -seconds.get(group, durations.UNKNOWN))
 
 
 def test_a_run_says_how_many_slow_tests_it_leaves() -> None:

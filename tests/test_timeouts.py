@@ -48,6 +48,7 @@ def test_its_process_ends_and_the_next_test_has_another(how: str, tmp_path: Path
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, cwd=ROOT, env=environ)
     assert "1 failed, 1 passed" in done.stdout, done.stdout + done.stderr
     assert f"in {how}" in done.stderr  # where it stood
+    assert "gw0 ended with 1" in done.stdout
     stopped, after = said.read_text().split(",")
     assert "stopped" in stopped and "after it" in after
     assert stopped.split()[0] != after.split()[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -122,6 +123,14 @@ class Relayed:
         return not is_right and bool(self.came) and min(self.steps, default=0) >= 10 and self.equal <= EQUAL / 10 + 1
 
 
+def may_have_lost(rounds: Sequence[Relayed]) -> int:
+    """How many times a short queue may have lost poses in the last round: once, where some were lost in each.
+
+    A wrong pattern shows more often, or in each round at the same place.
+    """
+    return int(len(rounds) == len(PACES) and not set.intersection(*(each.uneven for each in rounds)))
+
+
 @exercise("topics-3", "A relay", points=3, level="medium", timeout=40, node_class="Relay")
 def relay() -> None:
     """Of the poses on /turtle1/pose it publishes every tenth, unchanged, on /turtle1/pose_slow, whatever their rate."""
@@ -133,8 +142,7 @@ def relay() -> None:
         rounds.append(relayed)
         if not relayed.may_be_disturbed:
             break
-    # Once, where some were lost in each round; a wrong pattern shows more often, or each time at the same place.
-    lost = int(len(rounds) == len(PACES) and not set.intersection(*(each.uneven for each in rounds)))
+    lost = may_have_lost(rounds)
     expect(
         "what it publishes are poses that it got, unchanged",
         relayed.came and all(pose in relayed.all_sent for _, pose in relayed.came),

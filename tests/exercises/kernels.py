@@ -50,7 +50,7 @@ class _Notebook:
             kernel = self._open.kernel
             cell = kernel.send(answer.source)
             kernel.finish(cell, CELL_TIMEOUT)
-            raised = [m["content"]["evalue"] for m in kernel.of(cell) if m["msg_type"] == "error"]
+            raised = [error["evalue"] for error in kernel.errors(cell)]
             return self._open.check(answer.exercise), "".join(raised)
         except Exception as error:  # it hangs, or has ended its kernel
             self.close()

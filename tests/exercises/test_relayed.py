@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from turtlesim.msg import Pose
 
-from course_kit.exercises.topics_relay import EQUAL, Relayed
+from course_kit.exercises.topics_relay import EQUAL, Relayed, may_have_lost
 
 PERIOD, SOON, LATE = 16_000_000, 1_000_000, 50_000_000  # nanoseconds
 EACH_TENTH = list(range(9, 100, 10))
@@ -38,6 +38,13 @@ def test_the_places_of_uneven_steps_stay_where_a_queue_has_lost_some_before():
     assert relayed(one_of_four_later, set()).uneven == {3, 7}
     assert relayed([n + (n > 20) for n in one_of_four_later], set()).uneven == {1, 3, 7}
     assert relayed(EACH_TENTH, set()).uneven == set()
+
+
+def test_poses_may_be_lost_once_and_not_at_the_same_place_in_each_of_three_rounds():
+    three, four, five = (relayed([n + (n > later) for n in EACH_TENTH[:-1]], set()) for later in (29, 39, 49))
+    assert may_have_lost([three, four, five]) == may_have_lost([three, three, five]) == 1
+    assert may_have_lost([three, three, three]) == 0
+    assert may_have_lost([three, four]) == may_have_lost([]) == 0
 
 
 def test_what_comes_too_early_is_not_lost():

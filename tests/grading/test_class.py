@@ -140,7 +140,7 @@ def test_ctrl_c_ends_it_cleanly_and_the_next_run_goes_on(small: Path, tmp_path: 
     hand_in(small / "eve", CHAPTER, {"services-1": "import time\ntime.sleep(3600)"})
     command = [*COURSE, "grade", str(small), "--out", str(out), "--only", "services-1", "--jobs", "1"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
-        wait_until(lambda: len(list(out.glob("graded/*"))) >= 2, timeout=60)  # eve's is the last
+        wait_until(lambda: len(list(out.glob("graded/*"))) >= 2, timeout=120)  # eve's is the last
         started = psutil.Process(running.pid).children(recursive=True)
         running.send_signal(signal.SIGINT)
         _, said = running.communicate(timeout=30)
