@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -29,8 +30,8 @@ ROTATE = "/turtle1/rotate_absolute"
 ARRIVAL = 1.0  # seconds that an end may take to be found
 LOOK = 0.02  # seconds from one look to the next of the checker's server
 PATIENCE = 1.0  # seconds that it waits for a request to cancel
-HASTE = 0.01  # seconds from number to number once it has refused
-REFUSAL = 0.5  # seconds that it rests after that, in which the goal goes on
+HASTE = 0.01  # seconds from number to number once it has refused, and goes on
+REST = 3.0  # seconds that it waits to be told to go on
 SAMPLE, MOST_WORK = 500, 60_000  # parameters: of what is measured, and in one request
 LITTLE_WORK = 0.1  # seconds
 # By the numbers of action_msgs/msg/GoalStatus.
@@ -159,7 +160,8 @@ class FibonacciServer:
     ) -> None:
         """Begin anew. `period`: seconds from number to number; `rest`: after which feedback it rests, for how long.
 
-        After feedback number `patient_after` it waits for a request to cancel, PATIENCE seconds at most.
+        After feedback number `patient_after` it waits for a request to cancel, PATIENCE seconds at most. If it
+        `refuses` one, it waits for go_on(), REST seconds at most.
         """
         self._period, self._rest, self._patient_after, self._refuses = period, rest, patient_after, refuses
         self.orders: list[int] = []
@@ -168,6 +170,11 @@ class FibonacciServer:
         self.hesitated = 0.0  # seconds from the last of them to the request to cancel
         self._last = 0.0
         self.ended: list[str] = []
+        self._may_go_on = not refuses
+
+    def go_on(self) -> None:
+        """Let the goal that it refused to cancel come to its end."""
+        self._may_go_on = True
 
     def _prepare(self, node: Node) -> None:
         self._node = node
@@ -185,26 +192,29 @@ class FibonacciServer:
         await done
         self._node.destroy_timer(timer)
 
+    async def _wait(self, condition: Callable[[], Any], timeout: float) -> None:
+        until = time.monotonic() + timeout
+        while not condition() and time.monotonic() < until:
+            await self._sleep(LOOK)
+
     async def _pause(self) -> None:
         """What passes before the next number."""
         after, seconds = self._rest
         if 0 < after == self.published:
             await self._sleep(seconds)
         if 0 < self._patient_after == self.published:
-            until = time.monotonic() + PATIENCE
-            while self.cancelled_after is None and time.monotonic() < until:
-                await self._sleep(LOOK)
+            await self._wait(lambda: self.cancelled_after is not None, PATIENCE)
         is_refused = self._refuses and self.cancelled_after is not None
-        if is_refused and self.published == self.cancelled_after:
-            await self._sleep(REFUSAL)
+        if is_refused and not self._may_go_on:
+            await self._wait(lambda: self._may_go_on, REST)
+            self._may_go_on = True
         await self._sleep(HASTE if is_refused else self._period)
 
     async def _execute(self, goal: Any) -> Fibonacci.Result:
         self.orders.append(goal.request.order)
         ended = self.ended
-        until = time.monotonic() + ARRIVAL
-        while not self._node.count_subscribers("/fibonacci/_action/feedback") and time.monotonic() < until:
-            await self._sleep(LOOK)  # what is sent before the client is found is lost to it, and it could not count
+        # What is sent before the client is found is lost to it, and it could not count.
+        await self._wait(lambda: self._node.count_subscribers("/fibonacci/_action/feedback"), ARRIVAL)
         sequence = [0, 1]
         while len(sequence) <= goal.request.order:
             await self._pause()
