@@ -358,8 +358,6 @@ run_tests() {
     local python=$venv/bin/python failed=0 beside=() types workers=$((2 * $(nproc)))
     unset PYTHONDONTWRITEBYTECODE # hundreds of processes would each compile all that they import
     # Most tests wait for ROS most of the time, so there are more of them at once than there are cores.
-    # Those that only --all has wait longest.
-    [[ ${1:-} != --all ]] || workers=$((workers + 1))
     # Their groups begin in the order of tests/selection.py, not by how many tests they have.
     case ${1:-} in
         '' | --full | --all | --changed)

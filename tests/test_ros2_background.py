@@ -167,7 +167,7 @@ def test_nothing_is_left_when_the_kernel_ends(tmp_path: Path) -> None:
 
 def test_tab_and_the_help_know_it_in_a_notebook(kernel: Kernel) -> None:
     for line in ("%ros2 topic hz /chatter --backg", "%ros2 run demo polite --backg"):
-        matches = kernel.client.complete(line, len(line), reply=True, timeout=20)["content"]["matches"]
+        matches = kernel.client.complete(line, len(line), reply=True, timeout=60)["content"]["matches"]
         assert "--background" in [match.strip() for match in matches], line
     assert "--background" in kernel.text(kernel.run("%ros2 --help"))
     assert "--background" in kernel.text(kernel.run("%ros2 launch --help"))
