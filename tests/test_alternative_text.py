@@ -210,7 +210,7 @@ def test_exported_html_has_it(app: str, tmp_path: File) -> None:
     nbformat.write(new_notebook(cells=[new_code_cell("image", outputs=[picture])]), tmp_path / "room.ipynb")
     if app == "nbconvert":
         command = [sys.executable, "-m", "jupyter", "nbconvert", "--to", "html", str(tmp_path / "room.ipynb")]
-        subprocess.run(command, check=True, capture_output=True, timeout=60)
+        subprocess.run(command, check=True, capture_output=True, timeout=110)
         page = (tmp_path / "room.html").read_text()
     else:
         with (

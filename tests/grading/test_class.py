@@ -55,7 +55,7 @@ def test_a_class_gets_the_expected_points(form: str, tmp_path: Path):
     sixty = list(students(10 * len(FORMATS)))
     part = [sixty[FORMATS.index(form) * 10 + number] for number in GRADED]
     handed_in, out = exported(tmp_path / "handed in", form, part), tmp_path / "grades"
-    done = grade(str(handed_in), "--out", str(out), "--only", *ASKED, "--jobs", "3", "--timeout", "60")
+    done = grade(str(handed_in), "--out", str(out), "--only", *ASKED, "--jobs", "2", "--timeout", "60")
     assert done.returncode == 0, done.stderr
     got = rows(out)
     assert len(got) == len(part)
@@ -174,9 +174,9 @@ print(sorted(name for name in seen.get_node_names() if not name.startswith("_"))
 
 @pytest.fixture
 def workers() -> Iterator[str]:
-    """The address of a Dask cluster of four worker processes."""
+    """The address of a Dask cluster of two worker processes."""
     distributed = pytest.importorskip("distributed")
-    cluster = distributed.LocalCluster(n_workers=4, threads_per_worker=1, processes=True, dashboard_address=None)
+    cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None)
     yield cluster.scheduler_address
     with contextlib.suppress(TimeoutError):  # Dask gives the workers seconds to end, too few on a busy machine
         cluster.close()
