@@ -20,6 +20,7 @@ from tests.landings import ROOT, git
 
 SOLUTIONS = "course_kit/solutions"
 PACKAGES = ("course_kit", "tests")
+WORD = re.compile(r"\w+")
 NAMED = re.compile(r"\b(?:course_kit|tests)(?:\.\w+)+")
 TAKEN = re.compile(r"from (course_kit[\w.]*) import ([\w, ]+)")
 CHOOSING = {".ci/landed", "tests/durations.json"}  # each landing changes them, and no test fails by them
@@ -41,8 +42,10 @@ class Dependencies:
     def __init__(self) -> None:
         self.graph = grimp.build_graph(*PACKAGES, cache_dir=None)
         self.texts = {name: text for name, text in self._texts()}
+        self.words = {name: {*WORD.findall(text)} for name, text in self.texts.items()}
         for name in self.texts.keys() - self.graph.modules:
             self.graph.add_module(name)
+        self.modules = self.graph.modules  # without the groups; grimp collects them anew after each import
         for name, text in self.texts.items():
             for named in () if name == __name__ else self._named(text):
                 self._add(name, named)
@@ -75,16 +78,16 @@ class Dependencies:
         """The modules that a text names, in code or in the code of a cell or child process."""
         yield from NAMED.findall(text)
         for package, names in TAKEN.findall(text):
-            for name in re.findall(r"\w+", names):
+            for name in WORD.findall(names):
                 export = course_kit.EXPORTS.get(name) if package == "course_kit" else None
                 yield f"course_kit.{export}" if export else f"{package}.{name}"
         for command in ROS2_COMMAND.findall(text):
-            yield from (one for one in self.graph.modules if one.startswith(f"course_kit.ros2.{command}"))
+            yield from (one for one in self.modules if one.startswith(f"course_kit.ros2.{command}"))
 
     def _add(self, importer: str, imported: str) -> None:
-        while imported not in self.graph.modules and "." in imported:
+        while imported not in self.modules and "." in imported:
             imported = imported.rpartition(".")[0]  # a name in a module
-        for module in {imported, f"{imported}.__main__"} & self.graph.modules - {"course_kit", "tests", importer}:
+        for module in {imported, f"{imported}.__main__"} & self.modules - {"course_kit", "tests", importer}:
             self.graph.add_import(importer=importer, imported=module)
 
     @property
@@ -106,9 +109,12 @@ class Dependencies:
             return {group_of(path.stem), "tests.exercises.test_solutions"} & self.graph.modules
         module = path.parent if path.stem == "__init__" else path
         name = module.stem if path.suffix == ".py" else path.name  # a program is named as a module
-        if naming := {each for each, text in self.texts.items() if re.search(rf"\b{re.escape(name)}\b", text)}:
-            return naming
-        return next(filter(None, map(self._in, path.parents[:-1])), set())
+        return self._naming(name) or next(filter(None, map(self._in, path.parents[:-1])), set())
+
+    def _naming(self, name: str) -> set[str]:
+        """The modules whose text has a name: of those that have its words, for to search in all texts is slow."""
+        words, whole = {*WORD.findall(name)}, re.compile(rf"\b{re.escape(name)}\b")
+        return {each for each, has in self.words.items() if words <= has and whole.search(self.texts[each])}
 
     def _in(self, folder: Path) -> set[str]:
         """The modules right in a folder."""
