@@ -48,6 +48,15 @@ context.before_stop(stuck)
 command.main()
 """
 
+SCRIPT = """
+from course_kit.spinning import context
+context.EXIT_TIMEOUT = 0.5
+context.before_stop(stuck)
+context.start()
+print("done")
+{end}
+"""
+
 RECORDING = """
 from course_kit.bags.recorder import Recorder
 from course_kit.ros2 import command
@@ -122,6 +131,11 @@ def test_a_cancelled_timer_ends_nothing() -> None:
 )
 def test_a_node_as_a_program(work: str, status: int) -> None:
     assert run(NODE.format(work=work)) == (status, ["at work"])
+
+
+@pytest.mark.parametrize(("end", "status"), [("", 0), ("raise LookupError", 1)])
+def test_a_script_that_uses_the_course(end: str, status: int) -> None:
+    assert run(SCRIPT.format(end=end)) == (status, ["done"])
 
 
 def test_the_ros2_command() -> None:

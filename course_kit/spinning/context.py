@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 
@@ -21,6 +22,8 @@ ARGUMENTS = ["--ros-args", "--disable-external-lib-logs", "--disable-stdout-logs
 DOMAIN = "ROS_DOMAIN_ID"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 REACH = (RANGE, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")
+
+EXIT_TIMEOUT = 30.0  # seconds from the end of Python's work to that of its process: enough to close a bag
 
 _lock = threading.RLock()
 _ending = threading.RLock()  # not _lock: threads that end use ROS to the last, and ask for it by start()
@@ -53,8 +56,8 @@ def start(args: list[str] | None = None, domain_id: int | None = None) -> int:
             _starts += 1
         if _owner != os.getpid():
             _owner = os.getpid()
-            atexit.unregister(stop)
-            atexit.register(stop)
+            atexit.unregister(_stop_at_exit)
+            atexit.register(_stop_at_exit)
         return _starts
 
 
@@ -131,3 +134,13 @@ def stop() -> None:
                 closer()
         with _lock:
             rclpy.try_shutdown()
+
+
+def _stop_at_exit() -> None:
+    """Call stop(), and end a process that cannot leave the graph in time.
+
+    Its exit status is 1 then if an exception has ended it, else 0: Python tells nobody what sys.exit() was given.
+    """
+    if _owner == os.getpid():
+        watchdog.end_in(EXIT_TIMEOUT, status=int(hasattr(sys, "last_value")))
+    stop()
