@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests import leftovers
+from tests.admission import Admission
 from tests.domains import own_domain, use_own_domain
 from tests.durations import Durations
 from tests.landings import DEALT, PARTS, commit, half, landed, turn
@@ -23,7 +24,9 @@ from tests.selection import TIERS, Candidate, Choice, Tier, choose
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 TIER = "COURSE_KIT_TEST_TIER"  # for the workers, as JSON
+ADMISSION = pytest.StashKey[Admission]()  # in a worker
 MINUTES = {"full": 17.0, "changed": 1.8}  # that the tests of a tier may take, without the start
+PER_PROCESSOR = 2  # tests that run at once, on the average of a run
 TIMEOUT = 120  # seconds of a test without a mark of its own
 STDERR = os.dup(2)  # which pytest replaces while it captures
 
@@ -51,13 +54,13 @@ def pytest_configure(config: pytest.Config) -> None:
     tier = Tier(config.getoption("tier"))
     is_whole = config.getoption("dist") == "loadgroup"
     if is_whole:
-        tier = of_whole_run(tier.name, config.getoption("numprocesses") or 1)
+        tier = of_whole_run(tier.name)
     is_measured = is_whole and not IS_WORKER  # not a run that a test of a run has started
     config.pluginmanager.register(Report(config, is_measured))
     os.environ[TIER] = json.dumps(asdict(tier))
 
 
-def of_whole_run(name: str, workers: int) -> Tier:
+def of_whole_run(name: str) -> Tier:
     """How much a run of all folders has."""
     distances: dict[str, int | None] = {}
     if name in MINUTES:
@@ -68,7 +71,8 @@ def of_whole_run(name: str, workers: int) -> Tier:
             pytest.exit("Nothing has changed that a test depends on.", returncode=0)
     limit = MINUTES.get(name, 0.0) * 60
     own_half = None if name else half(commit())
-    return Tier(name, turn(landed()[DEALT:], commit()), distances, limit * workers, limit, own_half)
+    at_once = PER_PROCESSOR * (os.cpu_count() or 1)
+    return Tier(name, turn(landed()[DEALT:], commit()), distances, limit * at_once, limit, own_half)
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> GroupScheduling | None:
@@ -89,17 +93,22 @@ def group(item: pytest.Item) -> str:
 
 
 @pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Say where a test stands when its time is over, and end its process, in which later tests would fail too.
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Iterator[None]:
+    """Have a group wait for its turn. Say where a test stands when its time is over, and end its process.
 
-    The C library does so, because a native call may hold Python's lock.
+    Later tests would fail too in it. The C library does so, because a native call may hold Python's lock.
     """
+    admission = item.config.stash.get(ADMISSION, None)
+    if admission:
+        admission.begin(group(item))
     mark = item.get_closest_marker("timeout")
     faulthandler.dump_traceback_later(mark.args[0] if mark else TIMEOUT, file=STDERR, exit=True)
     try:
         return (yield)
     finally:
         faulthandler.cancel_dump_traceback_later()
+        if admission and (nextitem is None or group(nextitem) != group(item)):
+            admission.end()
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -107,7 +116,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Choose the tests of the run. Groups that take longest begin, so that the workers end together."""
     tests = {item: as_test(item) for item in items}
     tier = Tier(**json.loads(os.environ[TIER]))
-    choice = choose(list(tests.values()), tier, Durations.read())
+    durations = Durations.read()
+    choice = choose(list(tests.values()), tier, durations)
     chosen = {test for part in choice.chosen.values() for test in part}
     order = {group: number for number, group in enumerate(choice.chosen)}
     config.hook.pytest_deselected(items=[item for item in items if tests[item] not in chosen])
@@ -117,6 +127,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.xdist_group(group(item)))
     if hasattr(config, "workeroutput") and tier.turn is not None:  # a run of all folders
         config.workeroutput["left"] = told(choice, tier, len(tests))
+        seconds = {name: durations.of(name, [test.name for test in part]) for name, part in choice.chosen.items()}
+        config.stash[ADMISSION] = Admission(config.workerinput["testrunuid"], seconds)  # type: ignore[attr-defined]
 
 
 def as_test(item: pytest.Item) -> Candidate:

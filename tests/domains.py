@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import os
 import socket
@@ -11,6 +10,8 @@ from contextlib import contextmanager
 
 import pytest
 
+from tests.locks import lock
+
 OF_TESTS = range(2, 102)  # without port clashes
 
 _locks: dict[int, socket.socket] = {}  # of the domains that this process has
@@ -18,17 +19,10 @@ _numbers = itertools.count(os.getpid())  # so that what was given back is taken 
 
 
 def take(domain: int) -> bool:
-    """Take a domain until it is given back, or this process ends, unless another test process has it.
-
-    It is taken by a socket with the domain's name, which has no file and goes with its process.
-    """
-    lock = socket.socket(socket.AF_UNIX)
-    with contextlib.suppress(OSError):
-        lock.bind(f"\0course-kit-test-domain-{domain}")
-        _locks[domain] = lock
-        return True
-    lock.close()
-    return False
+    """Take a domain until it is given back, or this process ends, unless another test process has it."""
+    if held := lock(f"course-kit-test-domain-{domain}"):
+        _locks[domain] = held
+    return held is not None
 
 
 def reserve_domain() -> int:
