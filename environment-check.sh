@@ -355,7 +355,7 @@ given() {
 }
 
 run_tests() {
-    local python=$venv/bin/python failed=0 beside=() types workers=$((3 * $(nproc)))
+    local python=$venv/bin/python failed=0 beside=() types workers=$((2 * $(nproc)))
     unset PYTHONDONTWRITEBYTECODE # hundreds of processes would each compile all that they import
     # Most tests wait for ROS most of the time, so there are more of them at once than there are cores. Those that need
     # the cores wait for each other (tests/admission.py).
