@@ -12,7 +12,7 @@ import pytest
 from tests import admission
 from tests.admission import LONG, Admission
 
-SECONDS = {"short": LONG / 2, **dict.fromkeys(("long", "other", "next"), LONG)}
+SECONDS = {"short": LONG / 2, **dict.fromkeys(("long", "other"), LONG)}
 NEVER = 101.0  # percent that are never free
 
 

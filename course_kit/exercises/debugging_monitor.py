@@ -39,7 +39,7 @@ REPORTS = 3  # in time, one of which must be right: messages and timers may be a
 LATE = 0.045  # seconds; with it a second has nine of 8.6 scans at most
 SENT_WITHIN = 0.02  # parts of a rate, and one message
 RATE_WITHIN = 0.2  # parts of a rate, and one message
-PHASE = STEADY + REPORTS + 1  # seconds
+PHASE = STEADY + REPORTS + 1  # seconds at most, on a machine that is not late
 END = 3.0  # seconds that are left behind the last phase
 FIRST_REPORT = 3.3  # seconds
 TEXT_POINTS = "count what comes, look once a second, begin to count anew"
@@ -149,13 +149,13 @@ class Phase:
         return self.in_time(topic) or self.punctual(topic) or self.said[topic]
 
     def _fits(self, topic: str, count: float) -> bool:
-        """Whether so many messages a second are those of the topic's rate."""
+        """Tell if so many messages a second are those of the topic's rate."""
         rate = self.rates[topic]
         return abs(count - rate) <= 1.0 + SENT_WITHIN * rate
 
     @property
     def is_late(self) -> bool:
-        """Whether a topic has statuses, but no punctual one."""
+        """True if a topic has statuses, but no punctual one."""
         return any(self.said[topic] and not self.punctual(topic) for topic in WANTED)
 
     @property

@@ -23,7 +23,7 @@ DOMAIN = "ROS_DOMAIN_ID"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 REACH = (RANGE, "ROS_LOCALHOST_ONLY", "ROS_STATIC_PEERS")
 
-EXIT_TIMEOUT = 30.0  # seconds from the end of Python's work to that of its process: enough to close a bag
+EXIT_TIMEOUT = 30.0  # seconds from the end of Python's work to that of its process, in which bags are closed
 
 _lock = threading.RLock()
 _ending = threading.RLock()  # not _lock: threads that end use ROS to the last, and ask for it by start()
