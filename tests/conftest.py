@@ -20,12 +20,12 @@ from tests.durations import Durations
 from tests.landings import DEALT, PARTS, commit, half, landed, turn
 from tests.report import Report
 from tests.scheduling import GroupScheduling
-from tests.selection import TIERS, Candidate, Choice, Tier, choose
+from tests.selection import TIERS, Candidate, Choice, Tier, choose, is_cpu_bound
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 TIER = "COURSE_KIT_TEST_TIER"  # for the workers, as JSON
 ADMISSION = pytest.StashKey[Admission]()  # in a worker
-MINUTES = {"full": 17.0, "changed": 1.8}  # that the tests of a tier may take, without the start
+MINUTES = {"full": 14.0, "changed": 1.8}  # that the tests of a tier may take, without the start
 PER_PROCESSOR = 2  # tests that run at once, on the average of a run
 TIMEOUT = 120  # seconds of a test without a mark of its own
 STDERR = os.dup(2)  # which pytest replaces while it captures
@@ -113,7 +113,7 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Choose the tests of the run. Groups that take longest begin, so that the workers end together."""
+    """Choose the tests of the run, in their order."""
     tests = {item: as_test(item) for item in items}
     tier = Tier(**json.loads(os.environ[TIER]))
     durations = Durations.read()
@@ -127,14 +127,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.xdist_group(group(item)))
     if hasattr(config, "workeroutput") and tier.turn is not None:  # a run of all folders
         config.workeroutput["left"] = told(choice, tier, len(tests))
-        seconds = {name: durations.of(name, [test.name for test in part]) for name, part in choice.chosen.items()}
-        config.stash[ADMISSION] = Admission(config.workerinput["testrunuid"], seconds)  # type: ignore[attr-defined]
+        bound = {name for name, part in choice.chosen.items() if is_cpu_bound(part)}
+        config.stash[ADMISSION] = Admission(config.workerinput["testrunuid"], bound)  # type: ignore[attr-defined]
 
 
 def as_test(item: pytest.Item) -> Candidate:
     by_turns = item.get_closest_marker("by_turns")
     of, kind = (by_turns.kwargs.get("of", "group"), by_turns.args[0]) if by_turns else ("", "")
-    return Candidate(item.nodeid, group(item), item.path.stem, item.get_closest_marker("slow") is not None, of, kind)
+    slow, cpu_bound = (item.get_closest_marker(name) is not None for name in ("slow", "cpu_bound"))
+    return Candidate(item.nodeid, group(item), item.path.stem, slow, of, kind, cpu_bound)
 
 
 def told(choice: Choice, tier: Tier, count: int) -> list[str]:

@@ -35,6 +35,10 @@ class Durations:
         each = known.get(OTHERS, UNKNOWN)
         return known.get(FIXTURES, 0.0) + sum(known.get(test, each) for test in tests)
 
+    def is_long(self, group: str, test: str) -> bool:
+        """True for a test that is known to take SHORTEST seconds or more."""
+        return self.seconds.get(group, {}).get(test, 0.0) >= SHORTEST
+
     def of_whole(self, group: str) -> float:
         """Seconds of all tests of a group that were measured."""
         return sum(self.seconds.get(group, {"": UNKNOWN}).values())

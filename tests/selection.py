@@ -1,23 +1,25 @@
 """Which tests a run has: every kind of proof on few cases, or more of them, or all.
 
-| tier      | ordinary | by_turns                | slow             | near the change      |
-|-----------|----------|-------------------------|------------------|----------------------|
-| (none)    | yes      | half of whose turn it is| no               | no                   |
-| --full    | yes      | whose turn it is        | whose turn it is | whole, up to a limit |
-| --all     | yes      | yes                     | yes              | yes                  |
-| --changed | no       | no                      | no               | whole, up to a limit |
+| tier      | ordinary | by_turns, or of a second    | slow             | near the change      |
+|-----------|----------|-----------------------------|------------------|----------------------|
+| (none)    | yes      | half of whose turn it is    | no               | no                   |
+| --full    | yes      | whose turn it is            | whose turn it is | whole, up to a limit |
+| --all     | yes      | yes                         | yes              | yes                  |
+| --changed | no       | no                          | no               | whole, up to a limit |
 
-A run has one of each kind of which there are many: of each function whose cases take turns, and of groups that do.
+A run has one of each kind of which there are many: of each function whose cases take turns, of groups that do, and of
+the tests of a module that take a second or more.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import accumulate
 
 from tests.durations import Durations, function_of
-from tests.landings import PARTS, half_of, number_of, part_of
+from tests.landings import PARTS, half_of, part_of
 
 TIERS = {
     "full": "every kind: all cases where the change since the last landing is, of the rest those whose turn it is",
@@ -34,13 +36,16 @@ class Candidate:
     group: str
     module: str
     is_slow: bool = False
-    by_turns: str = ""  # "group" or "cases": a run has the groups, or of each function the cases, whose turn it is
+    # "group", "cases" or "tests": a run has the groups, of each function the cases, or of each module the tests, whose
+    # turn it is.
+    by_turns: str = ""
     kind: str = ""  # of the groups that take turns: why they do
+    is_cpu_bound: bool = False  # whether its group needs a processor as long as it runs
 
     @property
     def taking_turns(self) -> str:
-        """Its name if the cases of its function take turns, else that of its group."""
-        return self.name if self.by_turns == "cases" else self.group
+        """Its name if it takes turns by itself, else that of its group."""
+        return self.name if self.by_turns in ("cases", "tests") else self.group
 
     @property
     def part(self) -> int:
@@ -83,6 +88,7 @@ class Choice:
 
 def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choice:
     """Choose the tests of a run: those of its tier, then groups near the change as long as they fit."""
+    tests = [replace(test, by_turns="tests") if takes_turns_by_itself(test, durations) else test for test in tests]
     groups: dict[str, list[Candidate]] = defaultdict(list)
     for test in tests:
         groups[test.group].append(test)
@@ -104,12 +110,9 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
         elif more[group]:
             choice.beyond_limit.append(group)
 
-    def place(group: str) -> tuple[bool, float]:
-        # With --all mixed until the last part: the longest ones, which compile and grade, would be too much at once.
-        is_last = tier.name != "all" or part_of(group) == PARTS - 1
-        return is_last, -seconds(group, chosen[group]) if is_last else number_of(group)
-
-    choice.chosen = {group: chosen[group] for group in sorted(chosen, key=place) if chosen[group]}
+    durations_of = {group: seconds(group, part) for group, part in chosen.items() if part}
+    bound = {group for group in durations_of if is_cpu_bound(chosen[group])}
+    choice.chosen = {group: chosen[group] for group in _order(durations_of, bound)}
     left = {test for part in groups.values() for test in part} - {test for part in chosen.values() for test in part}
     choice.seconds = spent
     if tier.name == "changed":
@@ -117,6 +120,29 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
     choice.slow = sum(test.is_slow for test in left) if tier.name == "" else 0
     choice.other_turns = sorted({test.group for test in left if tier.name == "full" or not test.is_slow})
     return choice
+
+
+def takes_turns_by_itself(test: Candidate, durations: Durations) -> bool:
+    """True for a test without a mark that takes a second or more."""
+    return not (test.is_slow or test.by_turns) and durations.is_long(test.group, test.name)
+
+
+def is_cpu_bound(group: Sequence[Candidate]) -> bool:
+    """True for a group of tests that needs a processor as long as it runs."""
+    return any(test.is_cpu_bound for test in group)
+
+
+def _order(seconds: Mapping[str, float], bound: Collection[str]) -> list[str]:
+    """Groups by name, the longest first, so that the workers end together.
+
+    Those that are bound to a processor, of which only a few run at once, are spread over the time of all.
+    """
+    places: dict[str, float] = {}
+    for row in ([group for group in seconds if (group in bound) is is_bound] for is_bound in (True, False)):
+        row.sort(key=lambda group: -seconds[group])
+        begins = [*accumulate((seconds[group] for group in row), initial=0.0)]
+        places |= {group: begin / (begins[-1] or 1.0) for group, begin in zip(row, begins, strict=False)}
+    return sorted(places, key=lambda group: places[group])
 
 
 def _is_of(tier: Tier, test: Candidate) -> bool:
@@ -135,7 +161,7 @@ def _is_of(tier: Tier, test: Candidate) -> bool:
 
 
 def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candidate]:
-    """A case of each function whose cases take turns, a group of each kind with as many as there are parts.
+    """A case of each function, a test of each module, a group of each kind with as many as there are parts.
 
     It is one whose turn it is, if there is one. They are not slow.
     """
@@ -144,10 +170,10 @@ def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candid
     turn, kinds = tier.turn, defaultdict[tuple[str, str], dict[str, list[Candidate]]](lambda: defaultdict(list))
     for test in tests:
         if test.by_turns and not test.is_slow:
-            kind = function_of(test.name) if test.by_turns == "cases" else test.kind
+            kind = {"cases": function_of(test.name), "tests": test.module}.get(test.by_turns, test.kind)
             kinds[test.by_turns, kind][test.taking_turns].append(test)
     for (by_turns, _), of_kind in kinds.items():
-        if by_turns == "cases" or len(of_kind) >= PARTS:
+        if by_turns != "group" or len(of_kind) >= PARTS:
             yield from min(
                 of_kind.values(), key=lambda part: ((part[0].part - turn) % PARTS, part[0].half != tier.half)
             )

@@ -25,6 +25,7 @@ from tests.kernel import Kernel
 from tests.waiting import wait_until
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.timeout(120),
     pytest.mark.by_turns("programs and a workspace"),
 ]

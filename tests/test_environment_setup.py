@@ -22,7 +22,7 @@ from course_kit.environment import levels, stamp
 from tests.course_copy import ROOT, CourseCopy, fresh_environ
 from tests.waiting import wait_until
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.cpu_bound, pytest.mark.slow, pytest.mark.timeout(900)]
 SET_UP_TIMEOUT = 600.0  # a slow network, no cache
 TYPES = ".mypy_cache"  # what mypy has found out; without it each of its runs takes most of a minute
 

@@ -57,6 +57,7 @@ except Exception as error:
 """
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.slow("a system, an environment and a workspace are made anew for each release"),
     pytest.mark.timeout(900),
     pytest.mark.skipif(os.geteuid() != 0, reason="only root can make a root file system"),

@@ -51,6 +51,7 @@ from tests.crossing import errors, rightness, true_map
 from tests.waiting import wait_until
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.usefixtures("fresh_domain"),
     pytest.mark.by_turns("nodes that drive for minutes"),
 ]

@@ -67,6 +67,7 @@ def beside_each_other() -> Iterator[Any]:
 
 
 @pytest.mark.by_turns("a chapter each")
+@pytest.mark.cpu_bound
 @pytest.mark.parametrize("path", list(beside_each_other()))
 @pytest.mark.timeout(720)
 def test_runs_top_to_bottom_without_network(path, folder, request):

@@ -14,7 +14,7 @@ from course_kit.colcon import built, console_scripts, overlay, regular_files, so
 from course_kit.environment.activation import PATH_VARIABLES, split_paths
 from tests import packages
 
-pytestmark = pytest.mark.by_turns("builds of packages")
+pytestmark = [pytest.mark.cpu_bound, pytest.mark.by_turns("builds of packages")]
 
 LAYOUTS = {
     "apart": [],

@@ -13,6 +13,7 @@ from axe_playwright_python.sync_playwright import Axe  # type: ignore[import-unt
 from tests.lab import CHROMIUM, Lab, lab_on, until
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.by_turns("a JupyterLab and a browser"),
     pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: sudo apt-get install chromium"),
     pytest.mark.timeout(300),

@@ -12,7 +12,7 @@ import pytest
 
 from tests import durations, landings
 from tests.durations import Durations, Measured
-from tests.landings import HALVES, PARTS, half_of, number_of, part_of, turn
+from tests.landings import HALVES, PARTS, half_of, part_of, turn
 from tests.selection import Candidate, Tier, choose
 
 TESTS = [
@@ -56,15 +56,15 @@ def test_a_tier_has_its_tests_the_longest_group_first(tier: Tier, groups: dict[s
     assert list(run(tier)[0]) == list(groups)
 
 
-def test_everything_is_run_mixed_and_of_the_last_part_the_longest_group_first() -> None:
-    tests = [*TESTS, *(Candidate(f"more {number}", f"more {number}", "test_more") for number in range(20))]
-    order = list(choose(tests, Tier("all"), SECONDS).chosen)
-    assert {*order} == {test.group for test in tests}
-    last = [group for group in order if part_of(group) == PARTS - 1]
-    others = order[: -len(last)]
-    assert others == sorted(others, key=number_of) and {*others}.isdisjoint(last)
-    seconds = {"bare": 70.0, "solved": 25.0, "quick": 7.0}
-    assert last == sorted(last, key=lambda group: -seconds.get(group, durations.UNKNOWN))
+def test_groups_that_need_a_processor_are_spread_over_the_run() -> None:
+    tests = [
+        Candidate(f"{kind} {number}", f"{kind} {number}", kind, is_cpu_bound=kind == "bound")
+        for kind, count in (("bound", 2), ("light", 4))
+        for number in range(count)
+    ]
+    seconds = Durations({test.group: {test.name: 40.0 - number} for number, test in enumerate(tests)})
+    order = [*choose(tests, Tier("all"), seconds).chosen]
+    assert order == ["bound 0", "light 0", "light 1", "bound 1", "light 2", "light 3"]
 
 
 def test_a_run_says_how_many_slow_tests_it_leaves() -> None:
@@ -111,6 +111,21 @@ def test_of_a_function_whose_cases_take_turns_there_is_always_one_and_five_turns
         assert all(1 <= len({*few} & {*part}) <= 2 for part in turns)
         assert max(len({*many} & {*part}) for part in turns) < 20
     assert len(choose([*many, *few], Tier(""), SECONDS).chosen["cases"]) == 42
+
+
+def test_of_the_tests_of_a_module_that_take_a_second_there_is_always_one_and_five_turns_have_all() -> None:
+    names = [f"long {number}" for number in range(40)]
+    tests = [Candidate(name, "module", "module") for name in [*names, "short"]]
+    seconds = Durations({"module": {**dict.fromkeys(names, 1.0), "others": 0.5}})
+    runs = [choose(tests, Tier("full", part), seconds).chosen["module"] for part in range(PARTS)]
+    assert all("short" in {test.name for test in run} and 1 < len(run) < 20 for run in runs)
+    assert {test.name for run in runs for test in run} == {*names, "short"}
+    near = Tier("full", 0, {"module": 1}, 200.0, 200.0)
+    assert len(choose(tests, near, seconds).chosen["module"]) == 41
+    one = [Candidate("long", "module", "module")]
+    assert all(
+        choose(one, Tier("", part, half=0), Durations({"module": {"long": 2.0}})).chosen for part in range(PARTS)
+    )
 
 
 def test_a_run_has_a_half_of_its_turn_and_of_each_kind_one() -> None:

@@ -15,7 +15,7 @@ import pytest
 from tests.test_notebooks import FOLDER, NBVAL, NOTEBOOKS
 
 # What another test of this process has left would be counted by a chapter's `topic info`.
-pytestmark = pytest.mark.usefixtures("fresh_domain")
+pytestmark = [pytest.mark.usefixtures("fresh_domain"), pytest.mark.cpu_bound]
 
 CAN_BE_LEFT_OUT = re.compile(r"## .+\n\*.*can be left out\*")
 

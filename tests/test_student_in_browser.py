@@ -11,6 +11,7 @@ import pytest
 from tests.lab import CHROMIUM, Lab, browser, server
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.by_turns("a JupyterLab and a browser"),
     pytest.mark.skipif(CHROMIUM is None, reason="there is no chromium: sudo apt-get install chromium"),
     pytest.mark.timeout(300),

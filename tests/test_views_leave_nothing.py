@@ -11,7 +11,7 @@ import pytest
 from tests.kernel import Kernel, kernel_after
 from tests.waiting import wait_until
 
-pytestmark = pytest.mark.by_turns("views that are opened again and again", of="cases")
+pytestmark = [pytest.mark.cpu_bound, pytest.mark.by_turns("views that are opened again and again", of="cases")]
 
 SET_UP = """
 import ctypes, gc, json, threading

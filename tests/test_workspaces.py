@@ -27,6 +27,7 @@ from tests.ros2_launches import is_alive, none_left
 from tests.waiting import wait_until
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.timeout(300),
     pytest.mark.by_turns("builds of packages"),
 ]

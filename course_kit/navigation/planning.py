@@ -133,31 +133,32 @@ def shortest(costs: Floats, start: tuple[int, int], goal: tuple[int, int]) -> li
     too long a guess of what is left.
     """
     # A border of infinite cells in one list: a neighbour is a number away, and none is outside.
-    width = costs.shape[1] + 2
-    cost = np.pad(costs, 1, constant_values=np.inf).ravel().tolist()
+    cost = np.pad(costs, 1, constant_values=np.inf)
+    rows, columns = (np.abs(np.arange(size) - (place + 1)) for size, place in zip(cost.shape, goal, strict=True))
+    up, side = np.maximum.outer(rows, columns), np.minimum.outer(rows, columns)
+    left = (up + STRAIGHT * side).ravel().tolist()  # of each cell, as the crow flies
+    width = cost.shape[1]
+    each = cost.ravel().tolist()
     first, last = ((row + 1) * width + column + 1 for row, column in (start, goal))
-    last_row, last_column = divmod(last, width)
-    ways = [(1, 1.0), (-1, 1.0), (width, 1.0), (-width, 1.0)]
-    ways += [(up + side, math.sqrt(2)) for up in (width, -width) for side in (1, -1)]
-    spent, before, done = {first: 0.0}, {first: first}, set()
+    ways = [(1, 0.5), (-1, 0.5), (width, 0.5), (-width, 0.5)]  # half the length of a step
+    ways += [(up + side, math.sqrt(2) / 2) for up in (width, -width) for side in (1, -1)]
+    spent, before, done = [math.inf] * len(each), {first: first}, bytearray(len(each))
+    spent[first] = 0.0
     waiting = [(0.0, first)]
     while waiting:
         _, cell = heapq.heappop(waiting)
         if cell == last:
             break
-        if cell in done:
+        if done[cell]:
             continue
-        done.add(cell)
-        so_far, here = spent[cell], cost[cell]
-        for way, length in ways:
+        done[cell] = True
+        so_far, here = spent[cell], each[cell]
+        for way, half in ways:
             there = cell + way
-            total = so_far + length * 0.5 * (here + cost[there])
-            if total < spent.get(there, math.inf):
+            total = so_far + half * (here + each[there])
+            if total < spent[there]:
                 spent[there], before[there] = total, cell
-                row, column = divmod(there, width)
-                up, side = abs(row - last_row), abs(column - last_column)
-                left = max(up, side) + STRAIGHT * min(up, side)
-                heapq.heappush(waiting, (total + left, there))
+                heapq.heappush(waiting, (total + left[there], there))
     else:
         return None
     cells = [last]

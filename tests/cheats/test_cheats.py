@@ -25,6 +25,7 @@ from tests.cheats.cheat import CANARY, ESCAPED, LEFT_BEHIND, PORT, Cheat, refere
 from tests.cheats.cheats_notebook import HandedIn
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),
     pytest.mark.by_turns("a grading for each", of="cases"),
 ]

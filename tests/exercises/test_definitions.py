@@ -14,7 +14,7 @@ from tests.exercises.chapter import CHECK_TIMEOUT, Chapter, chapter, judge
 from tests.exercises.workspace_batteries import BATTERY, CHARGER, CHARGER_CLASS, RECHARGE, types
 from tests.packages import write
 
-pytestmark = pytest.mark.by_turns("builds of packages")
+pytestmark = [pytest.mark.cpu_bound, pytest.mark.by_turns("builds of packages")]
 
 ANOTHER_ORDER = "bool charging\n\n# per cent\nfloat32 percentage 100.0\nfloat32 EMPTY_VOLTAGE = 11\nfloat32 voltage\n"
 ANOTHER_ANSWER = "float32 percentage\n---\nstring reason\nbool accepted\n"

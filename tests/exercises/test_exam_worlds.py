@@ -19,7 +19,7 @@ from course_kit.robot.world import World
 from course_kit.robot.worlds import world
 from tests.crossing import cross
 
-pytestmark = pytest.mark.by_turns("a drive through a world for each", of="cases")
+pytestmark = [pytest.mark.cpu_bound, pytest.mark.by_turns("a drive through a world for each", of="cases")]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -26,6 +26,7 @@ from tests.waiting import wait_until
 COURSE = [sys.executable, "-m", "course_kit.course_command"]
 GRADED = (0, 4, 7, 8)  # of each ten
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.timeout(900),
     pytest.mark.by_turns("gradings in kernels"),
 ]

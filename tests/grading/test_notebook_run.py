@@ -11,6 +11,7 @@ from course_kit.grading.notebook_run import Settings
 from tests.grading.handed_in import references
 
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.by_turns("gradings in kernels"),
     pytest.mark.timeout(180),
     pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),

@@ -19,6 +19,7 @@ from tests.other_users import command_of
 NOBODY = 65534
 HARMFUL = ("files", "hidden_memory", "kernel_settings")
 pytestmark = [
+    pytest.mark.cpu_bound,
     pytest.mark.skipif(os.getuid() != 0, reason="who is no root grades as an ordinary user in every other test"),
     pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),
     pytest.mark.slow("four gradings"),
