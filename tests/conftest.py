@@ -114,9 +114,9 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Choose the tests of the run, in their order."""
-    tests = {item: as_test(item) for item in items}
-    tier = Tier(**json.loads(os.environ[TIER]))
     durations = Durations.read()
+    tests = {item: as_test(item, durations) for item in items}
+    tier = Tier(**json.loads(os.environ[TIER]))
     choice = choose(list(tests.values()), tier, durations)
     chosen = {test for part in choice.chosen.values() for test in part}
     order = {group: number for number, group in enumerate(choice.chosen)}
@@ -131,10 +131,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         config.stash[ADMISSION] = Admission(config.workerinput["testrunuid"], bound)  # type: ignore[attr-defined]
 
 
-def as_test(item: pytest.Item) -> Candidate:
+def as_test(item: pytest.Item, durations: Durations) -> Candidate:
+    """Return it as the choice sees it; without a mark it takes turns if it takes long."""
     by_turns = item.get_closest_marker("by_turns")
-    of, kind = (by_turns.kwargs.get("of", "group"), by_turns.args[0]) if by_turns else ("", "")
     slow, cpu_bound = (item.get_closest_marker(name) is not None for name in ("slow", "cpu_bound"))
+    of, kind = (by_turns.kwargs.get("of", "group"), by_turns.args[0]) if by_turns else ("", "")
+    if not (by_turns or slow) and durations.is_long(group(item), item.nodeid):
+        of = "tests"
     return Candidate(item.nodeid, group(item), item.path.stem, slow, of, kind, cpu_bound)
 
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import accumulate
 
 from tests.durations import Durations, function_of
@@ -88,7 +88,6 @@ class Choice:
 
 def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choice:
     """Choose the tests of a run: those of its tier, then groups near the change as long as they fit."""
-    tests = [replace(test, by_turns="tests") if takes_turns_by_itself(test, durations) else test for test in tests]
     groups: dict[str, list[Candidate]] = defaultdict(list)
     for test in tests:
         groups[test.group].append(test)
@@ -120,11 +119,6 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
     choice.slow = sum(test.is_slow for test in left) if tier.name == "" else 0
     choice.other_turns = sorted({test.group for test in left if tier.name == "full" or not test.is_slow})
     return choice
-
-
-def takes_turns_by_itself(test: Candidate, durations: Durations) -> bool:
-    """True for a test without a mark that takes a second or more."""
-    return not (test.is_slow or test.by_turns) and durations.is_long(test.group, test.name)
 
 
 def is_cpu_bound(group: Sequence[Candidate]) -> bool:

@@ -113,19 +113,20 @@ def test_of_a_function_whose_cases_take_turns_there_is_always_one_and_five_turns
     assert len(choose([*many, *few], Tier(""), SECONDS).chosen["cases"]) == 42
 
 
-def test_of_the_tests_of_a_module_that_take_a_second_there_is_always_one_and_five_turns_have_all() -> None:
-    names = [f"long {number}" for number in range(40)]
-    tests = [Candidate(name, "module", "module") for name in [*names, "short"]]
-    seconds = Durations({"module": {**dict.fromkeys(names, 1.0), "others": 0.5}})
-    runs = [choose(tests, Tier("full", part), seconds).chosen["module"] for part in range(PARTS)]
-    assert all("short" in {test.name for test in run} and 1 < len(run) < 20 for run in runs)
-    assert {test.name for run in runs for test in run} == {*names, "short"}
+def test_of_the_tests_of_a_module_that_take_turns_there_is_always_one_and_five_turns_have_all() -> None:
+    long = [Candidate(f"long {number}", "module", "module", by_turns="tests") for number in range(40)]
+    short = Candidate("short", "module", "module")
+    runs = [choose([*long, short], Tier("full", part), SECONDS).chosen["module"] for part in range(PARTS)]
+    assert all(short in run and 2 < len(run) < 20 for run in runs)
+    assert {test for run in runs for test in run} == {*long, short}
     near = Tier("full", 0, {"module": 1}, 200.0, 200.0)
-    assert len(choose(tests, near, seconds).chosen["module"]) == 41
-    one = [Candidate("long", "module", "module")]
-    assert all(
-        choose(one, Tier("", part, half=0), Durations({"module": {"long": 2.0}})).chosen for part in range(PARTS)
-    )
+    assert choose([*long, short], near, SECONDS).chosen["module"] == [*long, short]
+    assert all(choose(long[:1], Tier("", part, half=0), SECONDS).chosen for part in range(PARTS))
+
+
+def test_a_test_is_long_from_a_second_on() -> None:
+    known = Durations({"group": {"long": 1.0, "short": 0.9, "others": 2.0}})
+    assert [known.is_long("group", test) for test in ("long", "short", "unknown")] == [True, False, False]
 
 
 def test_a_run_has_a_half_of_its_turn_and_of_each_kind_one() -> None:
