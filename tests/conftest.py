@@ -28,7 +28,7 @@ ADMISSION = pytest.StashKey[Admission]()  # in a worker
 MINUTES = {"full": 14.0, "changed": 1.8}  # that the tests of a tier may take, without the start
 PER_PROCESSOR = 2  # tests that run at once, on the average of a run
 TIMEOUT = 120  # seconds of a test without a mark of its own
-STDERR = os.dup(2)  # which pytest replaces while it captures
+STDERR = pytest.StashKey[int]()  # a copy of its descriptor, which pytest replaces while it captures
 
 if not IS_WORKER:
     leftovers.begin()
@@ -49,6 +49,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Say to the workers how much is run, and measure and report it."""
+    config.stash[STDERR] = os.dup(2)  # pytest captures while it imports this file, and not here
     if hasattr(config, "workerinput"):
         return
     tier = Tier(config.getoption("tier"))
@@ -102,7 +103,7 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     if admission:
         admission.begin(group(item))
     mark = item.get_closest_marker("timeout")
-    faulthandler.dump_traceback_later(mark.args[0] if mark else TIMEOUT, file=STDERR, exit=True)
+    faulthandler.dump_traceback_later(mark.args[0] if mark else TIMEOUT, file=item.config.stash[STDERR], exit=True)
     try:
         return (yield)
     finally:

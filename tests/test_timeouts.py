@@ -41,7 +41,8 @@ def test_its_process_ends_and_the_next_test_has_another(how: str, tmp_path: Path
     said = tmp_path / "said"
     text = TESTS.replace("{pipe}", f"os.open({str(said)!r}, os.O_WRONLY | os.O_APPEND | os.O_CREAT)")
     (tmp_path / "test_it.py").write_text(text.replace("{how}", how))
-    settings = f"-c {ROOT / 'pyproject.toml'} --rootdir {tmp_path} -p tests.conftest -p no:cacheprovider".split()
+    (tmp_path / "conftest.py").write_text("from tests.conftest import *\n")  # pytest captures while it imports it
+    settings = f"-c {ROOT / 'pyproject.toml'} --rootdir {tmp_path} -p no:cacheprovider".split()
     command = [sys.executable, "-m", "pytest", *settings, "-n1", "--dist", "loadgroup", str(tmp_path / "test_it.py")]
     # A run in a run: it reports nothing, and its processes have a mark of their own.
     environ = {**os.environ, "PYTEST_XDIST_WORKER": "gw0", leftovers.MARK: str(tmp_path)}
