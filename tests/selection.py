@@ -1,11 +1,11 @@
 """Which tests a run has: every kind of proof on few cases, or more of them, or all.
 
-| tier      | ordinary | by_turns, or of a second    | slow             | near the change      |
-|-----------|----------|-----------------------------|------------------|----------------------|
-| (none)    | yes      | half of whose turn it is    | no               | no                   |
-| --full    | yes      | whose turn it is            | whose turn it is | whole, up to a limit |
-| --all     | yes      | yes                         | yes              | yes                  |
-| --changed | no       | no                          | no               | whole, up to a limit |
+| tier      | ordinary | of a second or more      | by_turns                 | slow             | near the change      |
+|-----------|----------|--------------------------|--------------------------|------------------|----------------------|
+| (none)    | yes      | half of whose turn it is | half of whose turn it is | no               | no                   |
+| --full    | yes      | yes                      | whose turn it is         | whose turn it is | whole, up to a limit |
+| --all     | yes      | yes                      | yes                      | yes              | yes                  |
+| --changed | no       | no                       | no                       | no               | whole, up to a limit |
 
 A run has one of each kind of which there are many: of each function whose cases take turns, of groups that do, and of
 the tests of a module that take a second or more.
@@ -146,7 +146,7 @@ def _is_of(tier: Tier, test: Candidate) -> bool:
         case "all":
             return True
         case "full":
-            return is_its_turn or not (test.is_slow or test.by_turns)
+            return is_its_turn or not (test.is_slow or test.by_turns in ("group", "cases"))
         case "changed":
             return False
         case _:

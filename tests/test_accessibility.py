@@ -131,7 +131,7 @@ CONTRASTS = """outputs => {
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
-    """All that the course shows. Once it is drawn its kernel stands still, which would take a processor else."""
+    """All that the course shows. Once it is drawn, its kernel stands still: else it would take a processor."""
     with lab_on(tmp_path_factory.mktemp("lab"), "shown.ipynb", CELLS) as lab:
         lab.open("shown.ipynb")
         for name in CELLS:

@@ -256,7 +256,9 @@ def test_a_name_is_looked_up(other):
 def test_opened_and_closed_200_times_nothing_is_left(other):
     def left() -> tuple[int, int, int]:
         node = instruments.node()
-        return len(list(node.publishers)), len(list(node.timers)), threading.active_count()
+        # The other node's executor makes its threads when it needs them.
+        threads = [one for one in threading.enumerate() if not one.name.startswith("ThreadPoolExecutor")]
+        return len(list(node.publishers)), len(list(node.timers)), len(threads)
 
     before = left()
     for _ in range(200):

@@ -113,14 +113,14 @@ def test_of_a_function_whose_cases_take_turns_there_is_always_one_and_five_turns
     assert len(choose([*many, *few], Tier(""), SECONDS).chosen["cases"]) == 42
 
 
-def test_of_the_tests_of_a_module_that_take_turns_there_is_always_one_and_five_turns_have_all() -> None:
+def test_a_run_has_of_the_long_tests_of_a_module_always_one_and_all_in_five_turns() -> None:
     long = [Candidate(f"long {number}", "module", "module", by_turns="tests") for number in range(40)]
     short = Candidate("short", "module", "module")
-    runs = [choose([*long, short], Tier("full", part), SECONDS).chosen["module"] for part in range(PARTS)]
-    assert all(short in run and 2 < len(run) < 20 for run in runs)
+    halves = [(part, half) for part in range(PARTS) for half in range(HALVES)]
+    runs = [choose([*long, short], Tier("", part, half=half), SECONDS).chosen["module"] for part, half in halves]
+    assert all(short in run and 1 < len(run) < 12 for run in runs)
     assert {test for run in runs for test in run} == {*long, short}
-    near = Tier("full", 0, {"module": 1}, 200.0, 200.0)
-    assert choose([*long, short], near, SECONDS).chosen["module"] == [*long, short]
+    assert choose([*long, short], Tier("full", 0), SECONDS).chosen["module"] == [*long, short]
     assert all(choose(long[:1], Tier("", part, half=0), SECONDS).chosen for part in range(PARTS))
 
 
