@@ -135,6 +135,7 @@ def main():
 NODES = """
 from course_kit import *
 from course_kit.environment import check_environment
+from course_kit.live.life import stop_all
 from course_kit.navigation import Mapper, Navigator, Planner
 from course_kit.robot import Robot
 
@@ -154,6 +155,7 @@ class Sheet(Node):
     def on_feedback(self, message): pass
 """
 RUN = """
+stop_all()  # a view of an earlier row draws for as long as the kernel lives
 if not any(node.get_name() == "sheet" for node in nodes()):
     self, asker = run(Sheet), run(Node, "asker")
     client, turn = asker.create_client(Empty, "/reset"), ActionClient(asker, RotateAbsolute, "/turtle1/rotate_absolute")
