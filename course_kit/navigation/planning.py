@@ -169,21 +169,24 @@ def shortest(costs: Floats, start: tuple[int, int], goal: tuple[int, int]) -> li
 
 def straightened(points: Floats, grid_map: GridMap, costs: Floats) -> Floats:
     """Corners of the same path: over cells it has eight directions, a straight line often costs less."""
-    steps = [_cost(grid_map, costs, a, b) for a, b in pairwise(points)]
-    spent = np.concatenate([[0.0], np.cumsum(steps)])
+    spent = np.concatenate([[0.0], np.cumsum(_costs_of_lines(grid_map, costs, points[:-1], points[1:]))])
     corners, last = [0], len(points) - 1
     while (here := corners[-1]) < last:
-        further = range(last, here + 1, -LOOK)
-        costs_less = (_cost(grid_map, costs, points[here], points[to]) <= spent[to] - spent[here] for to in further)
-        corners.append(next((to for to, less in zip(further, costs_less, strict=True) if less), here + 1))
+        further = np.arange(last, here + 1, -LOOK)
+        straight = _costs_of_lines(grid_map, costs, points[here], points[further])
+        costs_less = further[straight <= spent[further] - spent[here]]
+        corners.append(int(costs_less[0]) if len(costs_less) else here + 1)
     return points[corners]
 
 
-def _cost(grid_map: GridMap, costs: Floats, start: Floats, end: Floats) -> float:
-    """What a straight line costs."""
-    line = spaced(np.array([start, end]), grid_map.resolution / 2)
-    rows, columns = grid_map.cells_of(line)
-    return float(costs[rows, columns].mean() * math.dist(start, end))
+def _costs_of_lines(grid_map: GridMap, costs: Floats, starts: Floats, ends: Floats) -> Floats:
+    """What straight lines cost, shape (n,): from a start each, or all from one, to ends of shape (n, 2)."""
+    ways = ends - starts
+    metres = np.hypot(*ways.T)
+    along = np.linspace(0.0, 1.0, 2 + math.ceil(metres.max(initial=0.0) / (grid_map.resolution / 2)))
+    lines = np.atleast_2d(starts)[:, None] + along[:, None] * ways[:, None]
+    rows, columns = grid_map.cells_of(lines.reshape(-1, 2))
+    return np.asarray(costs[rows, columns].reshape(len(ends), len(along)).mean(axis=1) * metres)
 
 
 def smooth(points: Floats, cost_map: CostMap, rounds: int = 60) -> Floats:
