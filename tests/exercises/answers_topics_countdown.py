@@ -131,6 +131,19 @@ ANSWERS = Answers(
         Wrong("for_each_listener", FOR_EACH_LISTENER, 1, "counts again for who comes later"),
         Wrong("back_to_10", changed(FOR_EACH_LISTENER, (" and self.left < 0", "")), 1, "counts again for who comes"),
         Wrong(
+            "for_each_listener_and_delayed_once",  # as by a busy machine: that count is taken again
+            changed(
+                FOR_EACH_LISTENER,
+                ("class Countdown", "import time\ndelays = [0.0, 1.0]\n\nclass Countdown"),
+                (
+                    "        self.left -= 1\n",
+                    "        self.left -= 1\n        time.sleep(delays.pop() if delays else 0)\n",
+                ),
+            ),
+            1,
+            "counts again for who comes later",
+        ),
+        Wrong(
             "again_after_a_second",
             changed(
                 COUNTDOWN,
