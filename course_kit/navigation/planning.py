@@ -180,7 +180,7 @@ def straightened(points: Floats, grid_map: GridMap, costs: Floats) -> Floats:
 
 
 def _costs_of_lines(grid_map: GridMap, costs: Floats, starts: Floats, ends: Floats) -> Floats:
-    """What straight lines cost, shape (n,): from a start each, or all from one, to ends of shape (n, 2)."""
+    """The costs of straight lines, shape (n,): from a start each, or all from one, to ends of shape (n, 2)."""
     ways = ends - starts
     metres = np.hypot(*ways.T)
     along = np.linspace(0.0, 1.0, 2 + math.ceil(metres.max(initial=0.0) / (grid_map.resolution / 2)))
