@@ -133,7 +133,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def as_test(item: pytest.Item, durations: Durations) -> Candidate:
-    """Return it as the choice sees it; without a mark it takes turns if it takes long."""
+    """Return an item as the choice sees it: a test without a mark takes turns if it takes long."""
     by_turns = item.get_closest_marker("by_turns")
     slow, cpu_bound = (item.get_closest_marker(name) is not None for name in ("slow", "cpu_bound"))
     of, kind = (by_turns.kwargs.get("of", "group"), by_turns.args[0]) if by_turns else ("", "")

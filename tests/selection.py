@@ -3,7 +3,7 @@
 | tier      | ordinary | of a second or more      | by_turns                 | slow             | near the change      |
 |-----------|----------|--------------------------|--------------------------|------------------|----------------------|
 | (none)    | yes      | half of whose turn it is | half of whose turn it is | no               | no                   |
-| --full    | yes      | yes                      | whose turn it is         | whose turn it is | whole, up to a limit |
+| --full    | yes      | whose turn it is         | whose turn it is         | whose turn it is | whole, up to a limit |
 | --all     | yes      | yes                      | yes                      | yes              | yes                  |
 | --changed | no       | no                       | no                       | no               | whole, up to a limit |
 
@@ -109,9 +109,9 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
         elif more[group]:
             choice.beyond_limit.append(group)
 
-    durations_of = {group: seconds(group, part) for group, part in chosen.items() if part}
-    bound = {group for group in durations_of if is_cpu_bound(chosen[group])}
-    choice.chosen = {group: chosen[group] for group in _order(durations_of, bound)}
+    lengths = {group: seconds(group, part) for group, part in chosen.items() if part}
+    bound = {group for group in lengths if is_cpu_bound(chosen[group])}
+    choice.chosen = {group: chosen[group] for group in _order(lengths, bound)}
     left = {test for part in groups.values() for test in part} - {test for part in chosen.values() for test in part}
     choice.seconds = spent
     if tier.name == "changed":
@@ -146,7 +146,7 @@ def _is_of(tier: Tier, test: Candidate) -> bool:
         case "all":
             return True
         case "full":
-            return is_its_turn or not (test.is_slow or test.by_turns in ("group", "cases"))
+            return is_its_turn or not (test.is_slow or test.by_turns)
         case "changed":
             return False
         case _:

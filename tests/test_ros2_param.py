@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from course_kit.background.running import run, stop
+from course_kit.spinning import context
 from course_kit.watching import instruments
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
@@ -142,6 +143,7 @@ def test_a_node_that_only_starts_is_waited_for(verb: str, rest: str, said: str, 
 
 
 def test_a_request_that_is_lost_is_sent_again() -> None:
+    context.start()  # an executor needs it
     node = run(Forgetful, executor=MultiThreadedExecutor(2))
     try:
         outcome = ros2("param", "get", "/forgetful", "a")
