@@ -51,6 +51,11 @@ def pose(kernel: Kernel, turtle: str = "turtle1") -> list[float]:
     return [*map(float, kernel.value(f"*getattr({seen}, 'pose', None) or ()").split())]
 
 
+def until_it_rests(kernel: Kernel) -> None:
+    """Wait until no command moves the turtle any more: one of an earlier test does so for a second."""
+    kernel.until(lambda: kernel.value("getattr(panel._topics.field.turtles.get('turtle1'), 'rests', None)") == "True")
+
+
 def image_of(png: bytes) -> Image.Image:
     return Image.open(io.BytesIO(png))
 
@@ -91,7 +96,7 @@ def moves(panel: Panel) -> NDArray[np.float32]:
 def test_moves_are_sent_in_one_message_a_frame_and_none_is_lost(kernel: Kernel, panel: Panel) -> None:
     panel.tell(kind="spawn", x=3.0, y=3.0)
     kernel.until(lambda: pose(kernel, "turtle2"))
-    kernel.until(lambda: kernel.value("panel._topics.field.turtles['turtle1'].rests") == "True")
+    until_it_rests(kernel)
     shown = len(panel.said("field"))
     panel.tell(kind="show")
     kernel.until(lambda: len(panel.said("field")) > shown)  # what was before is in there
@@ -111,6 +116,7 @@ def _is_counted(message: Message) -> bool:
 
 
 def test_a_click_teleports_and_spawns(kernel: Kernel, panel: Panel) -> None:
+    until_it_rests(kernel)
     panel.tell(kind="teleport", x=2.0, y=9.0)
     kernel.until(lambda: pose(kernel)[:2] == [2.0, 9.0])
     count = int(kernel.value("len(panel._topics.field.turtles)"))
