@@ -32,12 +32,12 @@ def fresh_environ(**variables: str) -> dict[str, str]:
 
 
 class CourseCopy:
-    """The course's files, without what set-up and tools made of them; by default with a space in their path."""
+    """The course's files, without what set-up, tools and chapters made; by default with a space in their path."""
 
     def __init__(self, folder: Path, parts: Sequence[str] = PARTS, name: str = "my course") -> None:
         self.root = folder / name
         self.root.mkdir(parents=True)
-        ignore = shutil.ignore_patterns("__pycache__", ".*")
+        ignore = shutil.ignore_patterns("__pycache__", ".*", "*_ws")
         for part in parts:
             source = ROOT / part
             if source.is_dir():
