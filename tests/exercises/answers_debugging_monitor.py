@@ -156,4 +156,5 @@ ANSWERS = Answers(
         ),
     ],
     {"sliding": SLIDING, "elapsed": ELAPSED, "threads": THREADED},
+    together=8,
 )

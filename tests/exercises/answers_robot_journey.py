@@ -256,4 +256,5 @@ ANSWERS = Answers(
         Wrong("never_gives_up", changed(DRIVE_THERE, ("> 8e9", "> 8e99")), 4, "When it has not come on"),
     ],
     {"in_threads": IN_THREADS, "by_timer": BY_TIMER},
+    together=8,
 )

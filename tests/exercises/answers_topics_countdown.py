@@ -183,4 +183,5 @@ ANSWERS = Answers(
         Wrong("without_0", changed(COUNTDOWN, ("left < 0", "left < 1")), 1, "each once"),
     ],
     styles.COUNTDOWN,
+    together=16,
 )

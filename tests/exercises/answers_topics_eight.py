@@ -269,4 +269,4 @@ class FigureEight(Node):
 """,
 }
 
-ANSWERS = Answers("topics-4", 5, FIGURE_EIGHT, WRONG, STYLES)
+ANSWERS = Answers("topics-4", 5, FIGURE_EIGHT, WRONG, STYLES, together=8)

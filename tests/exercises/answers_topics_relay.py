@@ -155,4 +155,5 @@ ANSWERS = Answers(
         Wrong("wrong_topic", changed(RELAY, ("turtle1/pose_slow", "pose_slow")), 0, "Did you mean `/pose_slow`?"),
     ],
     styles.RELAY,
+    together=11,
 )

@@ -54,7 +54,7 @@ class Answers:
     reference: str
     wrong: list[Wrong] = field(default_factory=list)
     right: dict[str, str] = field(default_factory=dict)
-    together: int = 10  # in one kernel, one after another: three minutes at most
+    together: int = 30  # in one kernel, one after another: as many as take three minutes
 
     def group(self, number: int) -> str:
         """The group of the answer of this number, counting the wrong ones and then the right ones."""

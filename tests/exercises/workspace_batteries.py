@@ -177,5 +177,6 @@ ANSWERS = [
             ),
         ],
         {"capacitor": CAPACITOR, "by_the_clock": BY_THE_CLOCK},
+        together=8,
     ),
 ]

@@ -269,5 +269,6 @@ ANSWERS = [
             "by_callback": loud(BY_CALLBACK, build=', "--symlink-install"'),
             "without_class": loud(WITHOUT_CLASS),
         },
+        together=10,
     ),
 ]
