@@ -186,7 +186,7 @@ def workers() -> Iterator[str]:
 
 @SLOW
 def test_a_cluster_grades_the_same_also_when_a_worker_is_killed(workers: str, tmp_path: Path):
-    part = list(students(6))
+    part = list(students(4))
     handed_in, out = exported(tmp_path / "handed in", "folders", part), tmp_path / "grades"
     command = [*COURSE, "grade", str(handed_in), "--out", str(out), "--only", *ASKED, "--scheduler", workers]
     with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
