@@ -184,6 +184,15 @@ def workers() -> Iterator[str]:
         cluster.close()
 
 
+def _grading_process() -> psutil.Process | None:
+    """A child that runs a notebook now: between two notebooks a worker runs none."""
+    for child in psutil.Process().children(recursive=True):
+        with contextlib.suppress(psutil.Error):  # it has ended
+            if any("run_nbval" in " ".join(below.cmdline()) for below in child.children()):
+                return child
+    return None
+
+
 @SLOW
 def test_a_cluster_grades_the_same_also_when_a_worker_is_killed(workers: str, tmp_path: Path):
     part = list(students(4))
@@ -191,12 +200,7 @@ def test_a_cluster_grades_the_same_also_when_a_worker_is_killed(workers: str, tm
     command = [*COURSE, "grade", str(handed_in), "--out", str(out), "--only", *ASKED, "--scheduler", workers]
     with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as running:
         wait_until(lambda: len(list(out.glob("graded/*"))) >= 2, timeout=120)
-        victim = next(
-            child
-            for child in psutil.Process().children(recursive=True)
-            if any("run_nbval" in " ".join(below.cmdline()) for below in child.children())
-        )
-        os.kill(victim.pid, signal.SIGKILL)
+        os.kill(wait_until(_grading_process, timeout=60).pid, signal.SIGKILL)
         _, said = running.communicate(timeout=600)
     assert running.returncode == 0, said
     got = rows(out)
