@@ -87,12 +87,6 @@ class Goal:
         return [feedback for _, feedback in self.told]
 
     @property
-    def period(self) -> float:
-        """Seconds between two feedbacks; 0 below two."""
-        times = [when for when, _ in self.told]
-        return (times[-1] - times[0]) * 1e-9 / (len(times) - 1) if len(times) > 1 else 0.0
-
-    @property
     def settled(self) -> int | None:
         """When the server said how it ended (nanoseconds since the epoch), which may be before the result came."""
         for when, message in self.states.arrivals:

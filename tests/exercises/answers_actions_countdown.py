@@ -39,6 +39,7 @@ class CountdownServer(Node):
 
 countdown_server = run(CountdownServer, executor=MultiThreadedExecutor(num_threads=3))
 """,
+    "delayed_as_by_a_busy_machine": changed(COUNTDOWN, ("sleep(0.1)", "sleep(0.1 + 0.08 * (number % 2))")),
     "blocking_as_it_is": """
 import threading
 import numpy as np

@@ -62,7 +62,7 @@ twist = Twist()
 twist.linear.x, twist.angular.z = 1.0, 1.0
 with bags.record("circle", "/turtle1/pose", "/turtle1/cmd_vel", overwrite=True) as bag:
     wait_for(lambda: publisher.get_subscription_count() == 2)
-    for _ in range(7):
+    for _ in range(9):  # a whole circle takes more than six on a busy machine, too
         publisher.publish(twist)
         time.sleep(1.0)
 stop()
