@@ -14,8 +14,10 @@ from course_kit.examining.exercise import exercise
 from course_kit.examining.vocabulary import answer, chance, expect, pause, require, wait
 from course_kit.examining.vocabulary_actions import BusyWork, Client, Goal, expect_action
 
-# Ten numbers a second, on a busy machine too: seconds from one to the next on average, and in the shortest quarter.
+# Ten numbers a second, on a busy machine too: seconds from one to the next on average, and in the steadiest goal.
 FASTEST, SLOWEST = 0.085, 0.125
+FEWEST_GAPS = 4  # of a goal that can be the steadiest: with fewer, one late number decides
+AGAIN = 3  # goals that are sent where all before may have been late
 TO_STOP = 1.0  # seconds that a cancelled goal may take, where the text says half a second
 COUNTED_ON = 6  # numbers, which a busy machine does not make more
 IN_FLIGHT = 0.2  # seconds: feedback and result take different ways
@@ -37,23 +39,38 @@ def _result(goal: Goal) -> list[int] | None:
     return None if goal.result is None else list(goal.result.sequence)
 
 
-def _gaps(goals: Sequence[Goal]) -> list[float]:
-    """Seconds from feedback to feedback of all goals; without the first gap of each, which a Rate may shorten.
+def _gaps(goal: Goal) -> list[float]:
+    """Seconds from feedback to feedback; without the first gap, which a Rate may shorten.
 
     A Rate or a timer that goes on between the goals has its own beat, in which the first feedback falls anywhere.
     """
-    return [(b - a) * 1e-9 for goal in goals for (a, _), (b, _) in list(pairwise(goal.told))[1:]]
+    return [(b - a) * 1e-9 for (a, _), (b, _) in list(pairwise(goal.told))[1:]]
 
 
 def _pace(goals: Sequence[Goal]) -> float:
-    """Seconds from feedback to feedback, on average."""
-    gaps = _gaps(goals)
+    """Seconds from feedback to feedback in all of these goals, on average."""
+    gaps = [gap for goal in goals for gap in _gaps(goal)]
     return sum(gaps) / len(gaps) if gaps else 0.0
 
 
-def _is_ten_a_second(goals: Sequence[Goal]) -> bool:
-    gaps = sorted(_gaps(goals))  # a busy machine makes gaps longer, and a server that is too slow has no short ones
-    return _pace(goals) > FASTEST and gaps[len(gaps) // 4] < SLOWEST
+def _is_ten_a_second(client: Client, goals: Sequence[Goal]) -> bool:
+    """Whether it tells ten numbers a second: no more in all goals, and no less in the steadiest one.
+
+    A busy machine may have made each of them late: then others are sent, three at most.
+    """
+    if _pace(goals) < FASTEST:
+        return False
+    tries = list(goals)
+    for _ in range(AGAIN):
+        if _is_quick_enough(tries):
+            break
+        tries.append(client.send(order=chance().randint(5, 8)))
+        tries[-1].wait(4.0)
+    return _is_quick_enough(tries)
+
+
+def _is_quick_enough(goals: Sequence[Goal]) -> bool:
+    return any(_pace([goal]) < SLOWEST for goal in goals if len(_gaps(goal)) >= FEWEST_GAPS)
 
 
 @exercise("actions-2", "Count down", points=3, level="medium", timeout=40, node_class="CountdownServer")
@@ -84,7 +101,7 @@ def countdown_server() -> None:
         goals.append(clients[0].send(order=orders[-1]))
         goals[-1].wait(4.0)
     pause(IN_FLIGHT)
-    _expect_countdown(orders, goals, many, long)
+    _expect_countdown(clients[0], orders, goals, many, long)
     accepted = [order for order, goal in zip(too_low, refused, strict=True) if goal.word != "rejected"]
     counted_on = len(long.feedback) - before
     until = (long.settled or math.inf) + IN_FLIGHT * 1e9
@@ -100,7 +117,7 @@ def countdown_server() -> None:
     )
 
 
-def _expect_countdown(orders: list[int], goals: list[Goal], many: int, long: Goal) -> None:
+def _expect_countdown(client: Client, orders: list[int], goals: list[Goal], many: int, long: Goal) -> None:
     """These goals count down from their orders, and the feedback of a long one from `many`."""
     down = [list(range(order, -1, -1)) for order in orders]
     heard, begun = [*map(_numbers, goals)], _numbers(long)
@@ -108,7 +125,7 @@ def _expect_countdown(orders: list[int], goals: list[Goal], many: int, long: Goa
     of_order, came = (orders[wrong[0]], heard[wrong[0]]) if wrong else (many, begun)
     expect(
         "the feedback is `order`, … 0, ten a second",
-        not wrong and begun == [[many - n] for n in range(len(begun))] and _is_ten_a_second([*goals, long]),
+        not wrong and begun == [[many - n] for n in range(len(begun))] and _is_ten_a_second(client, [*goals, long]),
         f"The feedback of the order {of_order} was {came[:15]}, and all came {_pace([*goals, long]):.2f} s apart: each "
         "is a sequence of one number, every 0.1 s, and after the goal has ended there is none.",
     )
@@ -145,7 +162,7 @@ def deadline_server() -> None:
     seconds = unwanted.cancel(2.0)
     pause(IN_FLIGHT)
     is_cancelled = unwanted.word == "canceled" and seconds < TO_STOP
-    unlike = _unlike_counting_server(orders, short, free.goal)
+    unlike = _unlike_counting_server(client, orders, short, free.goal)
     expect(
         "it counts like CountingServer, and can be cancelled",
         not unlike and is_cancelled,
@@ -228,7 +245,7 @@ def _run_out(client: Client, work: BusyWork | None) -> Long:
     return long
 
 
-def _unlike_counting_server(orders: list[int], short: list[Goal], long: Goal) -> str:
+def _unlike_counting_server(client: Client, orders: list[int], short: list[Goal], long: Goal) -> str:
     """What of these goals is not as CountingServer does it; nothing if all is."""
     for order, goal in zip(orders, short, strict=True):
         if goal.word != "succeeded" or _result(goal) != NUMBERS[: order + 1]:
@@ -238,7 +255,7 @@ def _unlike_counting_server(orders: list[int], short: list[Goal], long: Goal) ->
         grows = bool(told) and lengths == list(range(lengths[0], order + 2)) and lengths[0] <= 3
         if not grows or any(sequence != NUMBERS[: len(sequence)] for sequence in told):
             return f"The feedback of the order {order} is {told}, and not the numbers so far after each number"
-    if not _is_ten_a_second([*short, long]):
+    if not _is_ten_a_second(client, [*short, long]):
         return f"The feedback comes {_pace([*short, long]):.2f} s apart, and not 0.1 s"
     return ""
 

@@ -39,7 +39,12 @@ class CountdownServer(Node):
 
 countdown_server = run(CountdownServer, executor=MultiThreadedExecutor(num_threads=3))
 """,
-    "delayed_as_by_a_busy_machine": changed(COUNTDOWN, ("sleep(0.1)", "sleep(0.1 + 0.08 * (number % 2))")),
+    "delayed_at_first_as_by_a_busy_machine": changed(
+        COUNTDOWN,
+        ("        counted = []", "        counted = []\n        self.late_goals -= 1"),
+        ("    sleep =", "    late_goals = 5\n    sleep ="),
+        ("sleep(0.1)", "sleep(0.1 if self.late_goals < 0 else 0.18)"),
+    ),
     "blocking_as_it_is": """
 import threading
 import numpy as np
@@ -194,6 +199,7 @@ ANSWERS = Answers(
         ),
         Wrong("too_fast", changed(COUNTDOWN, ("sleep(0.1)", "sleep(0.05)")), 2, "all came 0.0"),
         Wrong("too_slow", changed(COUNTDOWN, ("sleep(0.1)", "sleep(0.2)")), 2, "all came 0.2"),
+        Wrong("uneven", changed(COUNTDOWN, ("sleep(0.1)", "sleep(0.05 + 0.2 * (number % 2))")), 2, "all came 0.1"),
         Wrong(
             "order_by_heart",
             changed(COUNTDOWN, ("goal_handle.request.order, -1", "0, -1")),
