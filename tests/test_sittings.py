@@ -21,9 +21,6 @@ from IPython.core.inputtransformer2 import TransformerManager
 from course_kit.grading.master import mark_of
 from tests.test_notebooks import FOLDER, NBVAL, NOTEBOOKS
 
-# What another test of this process has left would be counted by a chapter's `topic info`.
-pytestmark = [pytest.mark.usefixtures("fresh_domain"), pytest.mark.cpu_bound]
-
 CAN_BE_LEFT_OUT = re.compile(r"## .+\n\*.*can be left out\*")
 
 
@@ -32,12 +29,8 @@ class Cell:
     """A cell of a chapter, and whether it is in a section that can be left out."""
 
     cell: nbformat.NotebookNode
+    is_resume: bool  # with it a chapter goes on in a fresh kernel
     is_optional: bool  # never true for a resume cell, behind such a section
-
-    @property
-    def is_resume(self) -> bool:
-        """True for a cell with which a chapter goes on in a fresh kernel."""
-        return "resume" in self.cell.metadata.get("tags", [])
 
     @property
     def is_code(self) -> bool:
@@ -47,9 +40,10 @@ class Cell:
 def cells_of(path: Path) -> Iterator[Cell]:
     is_optional = False
     for cell in nbformat.read(path, as_version=4).cells:
-        if cell.source.startswith("## ") or "resume" in cell.metadata.get("tags", []):
+        is_resume = "resume" in cell.metadata.get("tags", [])
+        if cell.source.startswith("## ") or is_resume:
             is_optional = bool(CAN_BE_LEFT_OUT.match(cell.source))
-        yield Cell(cell, is_optional)
+        yield Cell(cell, is_resume, is_optional)
 
 
 def sittings(path: Path) -> list[list[Cell]]:
@@ -96,6 +90,8 @@ def run(path: Path, sitting: Sequence[Cell], folder: Path) -> None:
 
 @pytest.mark.slow("a chapter once more, in parts")
 @pytest.mark.timeout(700)
+@pytest.mark.cpu_bound
+@pytest.mark.usefixtures("fresh_domain")  # what another test of this process has left would be counted
 @pytest.mark.parametrize(("path", "sitting"), list(resumed()))
 def test_a_chapter_goes_on_in_a_fresh_kernel_behind_each_place_to_stop(
     path: Path, sitting: list[Cell], tmp_path: Path
@@ -106,6 +102,8 @@ def test_a_chapter_goes_on_in_a_fresh_kernel_behind_each_place_to_stop(
 
 @pytest.mark.slow("a part of a chapter once more")
 @pytest.mark.timeout(700)
+@pytest.mark.cpu_bound
+@pytest.mark.usefixtures("fresh_domain")
 @pytest.mark.parametrize(("path", "sitting"), list(shorter()))
 def test_what_can_be_left_out_is_needed_by_nothing_in_its_sitting(
     path: Path, sitting: list[Cell], tmp_path: Path

@@ -135,8 +135,8 @@ def shortest(costs: Floats, start: tuple[int, int], goal: tuple[int, int]) -> li
     # A border of infinite cells in one list: a neighbour is a number away, and none is outside.
     cost = np.pad(costs, 1, constant_values=np.inf)
     rows, columns = (np.abs(np.arange(size) - (place + 1)) for size, place in zip(cost.shape, goal, strict=True))
-    up, side = np.maximum.outer(rows, columns), np.minimum.outer(rows, columns)
-    left = (up + STRAIGHT * side).ravel().tolist()  # of each cell, as the crow flies
+    most, least = np.maximum.outer(rows, columns), np.minimum.outer(rows, columns)
+    left = (most + STRAIGHT * least).ravel().tolist()  # of each cell, as the crow flies
     width = cost.shape[1]
     each = cost.ravel().tolist()
     first, last = ((row + 1) * width + column + 1 for row, column in (start, goal))
