@@ -54,7 +54,7 @@ def _pace(goals: Sequence[Goal]) -> float:
 
 
 def _is_ten_a_second(client: Client, goals: Sequence[Goal]) -> bool:
-    """Whether it tells ten numbers a second: no more in all goals, and no less in the steadiest one.
+    """True where it tells ten numbers a second: no more in all goals, and no less in the steadiest one.
 
     A busy machine may have made each of them late: then others are sent, three at most.
     """

@@ -74,7 +74,6 @@ class Robot(Node):
         if chosen.patience:
             self._transforms.hear_corrections(self, self._on_correction)
         self._clock_publisher: Publisher | None = None
-        self._told_time = -math.inf  # when the time was told last, s of real time
         self._bumper = self.create_publisher(String, "bumper", LATCHED)
         self.create_publisher(String, "robot_description", LATCHED).publish(String(data=urdf(chosen.prefix)))
         if chosen.stamped:
@@ -83,7 +82,7 @@ class Robot(Node):
             self.create_subscription(Twist, "cmd_vel", self._on_command, QOS)
         self._bumps = self._stops = 0  # that were logged
         self._touching: str | None = None  # as was told
-        self._said: dict[str, float] = {}  # when a line of a kind was logged last
+        self._said: dict[str, float] = {}  # when a line of a kind was logged last, or the time told: s of real time
         self._is_ready = True
         # Steady, so that neither a changed system time nor use_sim_time stops the world.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -141,9 +140,7 @@ class Robot(Node):
     def _tell_time(self, stamp: Time) -> None:
         if self._clock_publisher is None:
             self._clock_publisher = self.create_publisher(ClockMessage, "/clock", QOS)
-        now = time.monotonic()
-        if now - self._told_time >= CLOCK_BREAK:
-            self._told_time = now
+        if self._is_due("clock", CLOCK_BREAK):
             self._clock_publisher.publish(ClockMessage(clock=stamp))
 
     def _tell_bumps(self) -> None:
@@ -164,7 +161,13 @@ class Robot(Node):
         return Time(sec=seconds, nanosec=nanoseconds)
 
     def _warn(self, kind: str, text: str) -> None:
-        now = time.monotonic()
-        if now - self._said.get(kind, -math.inf) >= BREAK:
-            self._said[kind] = now
+        if self._is_due(kind, BREAK):
             self.get_logger().warning(text)
+
+    def _is_due(self, kind: str, apart: float) -> bool:
+        """True where the last of a kind is `apart` s of real time ago or more; this one counts as the last then."""
+        now = time.monotonic()
+        if now - self._said.get(kind, -math.inf) < apart:
+            return False
+        self._said[kind] = now
+        return True
