@@ -17,7 +17,7 @@ from tests import leftovers
 from tests.admission import Admission
 from tests.domains import own_domain, use_own_domain
 from tests.durations import Durations
-from tests.landings import DEALT, PARTS, commit, half, landed, turn
+from tests.landings import DEALT, PARTS, commit, landed, third, turn
 from tests.report import Report
 from tests.scheduling import GroupScheduling
 from tests.selection import TIERS, Candidate, Choice, Tier, choose, is_cpu_bound
@@ -71,9 +71,9 @@ def of_whole_run(name: str) -> Tier:
         if name == "changed" and set(distances.values()) == {None}:
             pytest.exit("Nothing has changed that a test depends on.", returncode=0)
     limit = MINUTES.get(name, 0.0) * 60
-    own_half = None if name else half(commit())
+    own_third = None if name else third(commit())
     at_once = PER_PROCESSOR * (os.cpu_count() or 1)
-    return Tier(name, turn(landed()[DEALT:], commit()), distances, limit * at_once, limit, own_half)
+    return Tier(name, turn(landed()[DEALT:], commit()), distances, limit * at_once, limit, own_third)
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> GroupScheduling | None:
@@ -145,8 +145,8 @@ def as_test(item: pytest.Item, durations: Durations) -> Candidate:
 def told(choice: Choice, tier: Tier, count: int) -> list[str]:
     """The lines that say what a run had and what it left."""
     run = sum(map(len, choice.chosen.values()))
-    its_half = "" if tier.half is None else f", of which half {tier.half} of 0 and 1"
-    lines = [f"Run: {run} of {count} tests; commit {commit()[:7]} has turn {tier.turn} of 0 to {PARTS - 1}{its_half}."]
+    its_third = "" if tier.third is None else f", of which third {tier.third} of 0 to 2"
+    lines = [f"Run: {run} of {count} tests; commit {commit()[:7]} has turn {tier.turn} of 0 to {PARTS - 1}{its_third}."]
     if choice.slow:
         lines.append(f"Left to --full and --all: {choice.slow} slow tests.")
     if choice.other_turns:

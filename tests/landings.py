@@ -1,6 +1,6 @@
 """The turns of the long tests: each round of five landings runs all parts, in an order that nobody chooses.
 
-A run without --full has one half of the part whose turn it is, which the commit draws, too.
+A run without --full has a third of the part whose turn it is, which the commit draws, too.
 
 .ci/landed has the commit of each landing, the oldest first. The first commit behind a landing adds it.
 """
@@ -14,9 +14,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 LANDED = ROOT / ".ci/landed"
-PARTS, HALVES = 5, 2
-SALT = "11126"  # with it the parts take about the same time
-DEALT = 9  # landings before this SALT; a new deal begins a new round
+PARTS, THIRDS = 5, 3
+SALT = "13736"  # with it the parts take about the same time
+DEALT = 11  # landings before this SALT; a new deal begins a new round
 NO_COMMIT = "0"  # of a copy of the course that is no git repository
 
 
@@ -46,9 +46,9 @@ def turn(landings: Sequence[str], commit: str) -> int:
     return _drawn(left, commit)
 
 
-def half(commit: str) -> int:
-    """The half of each part that a run of a commit has without --full."""
-    return int(commit, 16) // PARTS % HALVES
+def third(commit: str) -> int:
+    """The third of each part that a run of a commit has without --full."""
+    return int(commit, 16) // PARTS % THIRDS
 
 
 def _drawn(left: Sequence[int], commit: str) -> int:
@@ -60,9 +60,9 @@ def part_of(name: str) -> int:
     return number_of(name) % PARTS
 
 
-def half_of(name: str) -> int:
-    """The half of its part that a group of tests, or a case, belongs to."""
-    return number_of(name) // PARTS % HALVES
+def third_of(name: str) -> int:
+    """The third of its part that a group of tests, or a case, belongs to."""
+    return number_of(name) // PARTS % THIRDS
 
 
 def number_of(name: str) -> int:

@@ -2,7 +2,7 @@
 
 | tier      | ordinary | of a second or more      | by_turns                 | slow             | near the change      |
 |-----------|----------|--------------------------|--------------------------|------------------|----------------------|
-| (none)    | yes      | half of whose turn it is | half of whose turn it is | no               | no                   |
+| (none)    | yes      | a third of the turn      | a third of the turn      | no               | no                   |
 | --full    | yes      | whose turn it is         | whose turn it is         | whose turn it is | whole, up to a limit |
 | --all     | yes      | yes                      | yes                      | yes              | yes                  |
 | --changed | no       | no                       | no                       | no               | whole, up to a limit |
@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from itertools import accumulate
 
 from tests.durations import Durations, function_of
-from tests.landings import PARTS, half_of, part_of
+from tests.landings import PARTS, part_of, third_of
 
 TIERS = {
     "full": "every kind: all cases where the change since the last landing is, of the rest those whose turn it is",
@@ -53,9 +53,9 @@ class Candidate:
         return part_of(self.taking_turns)
 
     @property
-    def half(self) -> int:
-        """The half of its part that it belongs to."""
-        return half_of(self.taking_turns)
+    def third(self) -> int:
+        """The third of its part that it belongs to."""
+        return third_of(self.taking_turns)
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Tier:
     distances: Mapping[str, int | None] = field(default_factory=dict)  # of groups or modules; None: cannot break
     limit: float = 0.0  # seconds of all tests, one after another
     longest: float = 0.0  # seconds of a group, unless it is among the nearest
-    half: int | None = None  # of the part whose turn it is; None: the whole part
+    third: int | None = None  # of the part whose turn it is; None: the whole part
 
     def distance(self, group: Sequence[Candidate]) -> int | None:
         """How many imports lie between a group of tests and the change; None if it cannot break the group."""
@@ -150,8 +150,8 @@ def _is_of(tier: Tier, test: Candidate) -> bool:
         case "changed":
             return False
         case _:
-            is_its_half = tier.half in (None, test.half)
-            return not test.is_slow and ((is_its_turn and is_its_half) or not test.by_turns)
+            is_its_third = tier.third in (None, test.third)
+            return not test.is_slow and ((is_its_turn and is_its_third) or not test.by_turns)
 
 
 def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candidate]:
@@ -169,5 +169,5 @@ def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candid
     for (by_turns, _), of_kind in kinds.items():
         if by_turns != "group" or len(of_kind) >= PARTS:
             yield from min(
-                of_kind.values(), key=lambda part: ((part[0].part - turn) % PARTS, part[0].half != tier.half)
+                of_kind.values(), key=lambda part: ((part[0].part - turn) % PARTS, part[0].third != tier.third)
             )

@@ -33,6 +33,7 @@ from course_kit import run, stop
 from course_kit.interface_types import type_name
 from course_kit.programs import packages
 from course_kit.robot import Robot, shape, sharing
+from course_kit.robot.node import CLOCK_BREAK
 from course_kit.robot.simulation import TICK_NS
 from course_kit.robot.world import Wall, World
 from tests.waiting import wait_until
@@ -305,6 +306,30 @@ def test_nodes_follow_its_time(observer: Observer, factor: float) -> None:
     wait_until(lambda: len(observer.ticked) > 5, "the observer's timer")
     ahead = observer.get_clock().now().nanoseconds
     assert ahead <= robot.simulation.nanoseconds
+
+
+def test_a_fast_world_tells_its_time_no_oftener_than_is_of_use(observer: Observer) -> None:
+    """Each message wakes every node that follows the clock: at this factor 800 a second would come."""
+    clocks, began = observer.hear(Clock, "/clock"), time.monotonic()
+    robot_in_box(factor=8.0)
+    wait_until(lambda: len(clocks) > 200, "/clock")
+    assert len(clocks) <= 1 + (time.monotonic() - began) / CLOCK_BREAK
+
+
+def test_where_the_robot_is_now_is_mostly_unknown_in_a_fast_world(observer: Observer) -> None:
+    """Chapter 7 says so of a timer that asks tf for now: the newest transform is older than that."""
+    buffer, answers = Buffer(), list[bool]()
+    listener = TransformListener(buffer, observer)
+    robot_in_box(factor=8.0, parameter_overrides=[Parameter("patience", value=10.0)])
+    wait_until(lambda: buffer.can_transform("odom", "base_scan", Time()), "the first transform")
+
+    def ask() -> None:
+        answers.append(buffer.can_transform("odom", "base_scan", observer.get_clock().now()))
+
+    observer.create_timer(0.03, ask)
+    wait_until(lambda: len(answers) >= 400, "400 answers")
+    assert answers.count(False) > len(answers) / 2
+    listener.unregister()
 
 
 def test_with_patience_a_loop_keeps_up_with_the_fastest_time(observer: Observer) -> None:

@@ -58,7 +58,8 @@ def domain() -> Iterator[int]:
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
 def test_a_list_is_whole(words, expected, run):
-    assert ros2(*words).out.splitlines() == expected
+    found = ros2(*words)
+    assert found.out.splitlines() == expected, f"after {found.seconds:.1f} s {found.late}"
 
 
 @pytest.mark.parametrize("run", range(RUNS))

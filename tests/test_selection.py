@@ -12,7 +12,7 @@ import pytest
 
 from tests import durations, landings
 from tests.durations import Durations, Measured
-from tests.landings import HALVES, PARTS, half_of, part_of, turn
+from tests.landings import PARTS, THIRDS, part_of, third_of, turn
 from tests.selection import Candidate, Tier, choose
 
 TESTS = [
@@ -116,14 +116,14 @@ def test_of_a_function_whose_cases_take_turns_there_is_always_one_and_five_turns
 def test_a_run_has_of_the_long_tests_of_a_module_always_one_and_all_in_five_turns() -> None:
     long = [Candidate(f"long {number}", "module", "module", by_turns="tests") for number in range(40)]
     short = Candidate("short", "module", "module")
-    halves = [(part, half) for part in range(PARTS) for half in range(HALVES)]
-    runs = [choose([*long, short], Tier("", part, half=half), SECONDS).chosen["module"] for part, half in halves]
+    thirds = [(part, third) for part in range(PARTS) for third in range(THIRDS)]
+    runs = [choose([*long, short], Tier("", part, third=third), SECONDS).chosen["module"] for part, third in thirds]
     assert all(short in run and 1 < len(run) < 12 for run in runs)
     assert {test for run in runs for test in run} == {*long, short}
     turns = [choose([*long, short], Tier("full", part), SECONDS).chosen["module"] for part in range(PARTS)]
     assert all(short in run and 1 < len(run) < 20 for run in turns)
     assert {test for run in turns for test in run} == {*long, short}
-    assert all(choose(long[:1], Tier("", part, half=0), SECONDS).chosen for part in range(PARTS))
+    assert all(choose(long[:1], Tier("", part, third=0), SECONDS).chosen for part in range(PARTS))
 
 
 def test_a_test_is_long_from_a_second_on() -> None:
@@ -131,7 +131,7 @@ def test_a_test_is_long_from_a_second_on() -> None:
     assert [known.is_long("group", test) for test in ("long", "short", "unknown")] == [True, False, False]
 
 
-def test_a_run_has_a_half_of_its_turn_and_of_each_kind_one() -> None:
+def test_a_run_has_a_third_of_its_turn_and_of_each_kind_one() -> None:
     kinds = {"many": 60, "few": 5}
     tests = [
         Candidate(f"{kind} {number}", f"{kind} {number}", kind, by_turns="group", kind=kind)
@@ -140,13 +140,15 @@ def test_a_run_has_a_half_of_its_turn_and_of_each_kind_one() -> None:
     ]
     for part in range(PARTS):
         whole = choose(tests, Tier("full", part), SECONDS).chosen
-        halves = [choose(tests, Tier("", part, half=half), SECONDS).chosen for half in range(HALVES)]
+        thirds = [choose(tests, Tier("", part, third=third), SECONDS).chosen for third in range(THIRDS)]
         assert {group for group in whole if part_of(group) == part} == {
-            group for half in halves for group in half if part_of(group) == part
+            group for third in thirds for group in third if part_of(group) == part
         }
-        assert all(0 < len([group for group in half if "many" in group]) < 10 for half in halves)
-        assert all(any("few" in group for group in half) for half in halves)
-        assert all(half_of(group) == number or "few" in group for number, half in enumerate(halves) for group in half)
+        assert all(0 < len([group for group in third if "many" in group]) < 10 for third in thirds)
+        assert all(any("few" in group for group in third) for third in thirds)
+        assert all(
+            third_of(group) == number or "few" in group for number, third in enumerate(thirds) for group in third
+        )
 
 
 def test_the_parts_are_about_as_long_as_each_other() -> None:

@@ -54,7 +54,8 @@ def line_of(step: TracebackType) -> int:
 
     An interrupt may come at an instruction that belongs to no line: then the first line of its function.
     """
-    return step.tb_lineno or step.tb_frame.f_code.co_firstlineno  # None, which typeshed does not say
+    line: int | None = step.tb_lineno  # None or, in Debian 12's Python 3.11.2, -1: typeshed says neither
+    return line if line and line > 0 else step.tb_frame.f_code.co_firstlineno
 
 
 @contextlib.contextmanager

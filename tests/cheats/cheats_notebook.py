@@ -46,9 +46,11 @@ def _made(answer: str = WRONG_REPORT, change: Change = lambda made: None) -> byt
     return json.dumps(made).encode()  # nbformat would mend ids that are there twice
 
 
-def _put(files: Mapping[str, bytes]) -> Callable[[Path], object]:
+def _put(files: Callable[[], Mapping[str, bytes]]) -> Callable[[Path], object]:
+    """Write the files that a call makes: a broken change breaks its own test only, and collecting costs nothing."""
+
     def write(folder: Path) -> None:
-        for name, data in files.items():
+        for name, data in files().items():
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(data)
@@ -58,8 +60,7 @@ def _put(files: Mapping[str, bytes]) -> Callable[[Path], object]:
 
 def _one(name: str, tries: str, change: Change, answer: str = WRONG_REPORT, **rest: Any) -> HandedIn:
     """What one student has done to the notebook, whose answer is wrong; it gets nothing."""
-    # It is made when it is written: a broken change breaks its own test only.
-    return HandedIn(name, tries, lambda f: _put({f"eve/{NAME}": _made(answer, change)})(f), {"eve": 0}, **rest)
+    return HandedIn(name, tries, _put(lambda: {f"eve/{NAME}": _made(answer, change)}), {"eve": 0}, **rest)
 
 
 def _cell(made: Any, role: str, exercise: str = "setup-1") -> Any:
@@ -136,9 +137,9 @@ def _zipped(members: Mapping[str, bytes], links: Mapping[str, str] | None = None
 
 def _links(folder: Path) -> None:
     """The right answer of another student by a link, and a folder that is one."""
-    _put({f"ada/{NAME}": _made(REPORT), "eve/readme.txt": b""})(folder)
+    _put(lambda: {f"ada/{NAME}": _made(REPORT), "eve/readme.txt": b""})(folder)
     os.symlink(folder / "ada" / NAME, folder / "eve" / NAME)
-    _put({f"mallory/{NAME}": _made()})(folder)
+    _put(lambda: {f"mallory/{NAME}": _made()})(folder)
     os.symlink(folder / "ada", folder / "mallory/notebooks")
 
 
@@ -169,26 +170,26 @@ CHEATS = [
     HandedIn(
         "files_beside",
         "Hand in what would be loaded: modules, settings, points, a job.",
-        _put({**ENVIRONMENT, f"eve/{NAME}": _made()}),
+        _put(lambda: {**ENVIRONMENT, f"eve/{NAME}": _made()}),
         {"eve": 0},
     ),
     HandedIn(
         "honest_beside_bad_files",
         "The same beside a right answer, which keeps its point.",
-        _put({**ENVIRONMENT, f"eve/{NAME}": _made(REPORT)}),
+        _put(lambda: {**ENVIRONMENT, f"eve/{NAME}": _made(REPORT)}),
         {"eve": 1},
     ),
     HandedIn(
         "formulas",
         "Have names that a spreadsheet or a page takes for commands.",
-        _put({f"{name}/{NAME}": _made() for name in FORMULAS}),
+        _put(lambda: {f"{name}/{NAME}": _made() for name in FORMULAS}),
         {name: 0 for name in FORMULAS},
     ),
     HandedIn(
         "paths_in_zips",
         "Have a zip write outside of its folder, or read what it links to.",
         _put(
-            {
+            lambda: {
                 f"ada/{NAME}": _made(REPORT),
                 "eve.zip": _zipped(
                     {f"../../x/{NAME}": _made(REPORT), f"/tmp/x/{NAME}": _made(REPORT), "a\\..\\..\\x": b"x"},
@@ -203,7 +204,7 @@ CHEATS = [
         "no_notebooks",
         "Hand in what breaks whoever reads it, beside an honest student.",
         _put(
-            {
+            lambda: {
                 f"ada/{NAME}": _made(REPORT),
                 f"deep/{NAME}": DEEP,
                 f"empty/{NAME}": b"",
