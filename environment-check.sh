@@ -355,10 +355,10 @@ given() {
 }
 
 run_tests() {
-    local python=$venv/bin/python failed=0 beside=() types workers=$((2 * $(nproc)))
+    local python=$venv/bin/python failed=0 beside=() types workers=$((2 * $(nproc) + 1))
     unset PYTHONDONTWRITEBYTECODE # hundreds of processes would each compile all that they import
     # Most tests wait for ROS most of the time, so there are more of them at once than there are cores. Those that need
-    # the cores wait for each other (tests/admission.py).
+    # the cores wait for each other (tests/admission.py), so there is one process more, or a core is idle meanwhile.
     # Their groups begin in the order of tests/selection.py, not by how many tests they have.
     case ${1:-} in
         '' | --full | --all | --changed)

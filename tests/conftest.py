@@ -25,7 +25,7 @@ from tests.selection import TIERS, Candidate, Choice, Tier, choose, is_cpu_bound
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 TIER = "COURSE_KIT_TEST_TIER"  # for the workers, as JSON
 ADMISSION = pytest.StashKey[Admission]()  # in a worker
-MINUTES = {"full": 19.0, "changed": 1.8}  # that the tests of a tier may take, without the start
+MINUTES = {"full": 18.5, "changed": 1.8}  # that the tests of a tier may take, without the start
 PER_PROCESSOR = 2  # tests that run at once, on the average of a run
 TIMEOUT = 120  # seconds of a test without a mark of its own
 STDERR = pytest.StashKey[int]()  # a copy of its descriptor, which pytest replaces while it captures

@@ -7,8 +7,8 @@
 | --all     | yes      | yes                      | yes                      | yes              | yes                  |
 | --changed | no       | no                       | no                       | no               | whole, up to a limit |
 
-A run has one of each kind of which there are many: of each function whose cases take turns, of groups that do, and of
-the tests of a module that take a second or more.
+A run has one of each kind of which there are many: a case of each function whose cases take turns, a group of those
+that do, and of each module a test.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
     def seconds(group: str, part: Sequence[Candidate]) -> float:
         return durations.of(group, [test.name for test in part]) if part else 0.0
 
-    of_tier = {test for test in tests if _is_of(tier, test)} | set(_one_of_each_kind(tests, tier))
+    of_tier = {test for test in tests if _is_of(tier, test)} | set(_one_of_each_kind(tests, tier, durations))
     chosen = {group: [test for test in part if test in of_tier] for group, part in groups.items()}
     more = {group: seconds(group, part) - seconds(group, chosen[group]) for group, part in groups.items()}
     spent = sum(seconds(group, part) for group, part in chosen.items())
@@ -154,20 +154,22 @@ def _is_of(tier: Tier, test: Candidate) -> bool:
             return not test.is_slow and ((is_its_turn and is_its_third) or not test.by_turns)
 
 
-def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier) -> Iterator[Candidate]:
-    """A case of each function, a test of each module, a group of each kind with as many as there are parts.
+def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Iterator[Candidate]:
+    """The shortest of each kind of which the tier has none; none that is slow.
 
-    It is one whose turn it is, if there is one. They are not slow.
+    The cases of a function are a kind, and so are the groups of a kind, if there are as many as parts. The tests that
+    take long in a module are one if the module has no others.
     """
     if tier.turn is None or tier.name == "changed":
         return
-    turn, kinds = tier.turn, defaultdict[tuple[str, str], dict[str, list[Candidate]]](lambda: defaultdict(list))
+    kinds = defaultdict[tuple[str, str], dict[str, list[Candidate]]](lambda: defaultdict(list))
     for test in tests:
         if test.by_turns and not test.is_slow:
             kind = {"cases": function_of(test.name), "tests": test.module}.get(test.by_turns, test.kind)
             kinds[test.by_turns, kind][test.taking_turns].append(test)
-    for (by_turns, _), of_kind in kinds.items():
-        if by_turns != "group" or len(of_kind) >= PARTS:
-            yield from min(
-                of_kind.values(), key=lambda part: ((part[0].part - turn) % PARTS, part[0].third != tier.third)
-            )
+    begun = {test.module for test in tests if _is_of(tier, test)}
+    for (by_turns, kind), of_kind in kinds.items():
+        is_there = any(_is_of(tier, part[0]) for part in of_kind.values())
+        is_there |= by_turns == "tests" and kind in begun
+        if not is_there and (by_turns != "group" or len(of_kind) >= PARTS):
+            yield from min(of_kind.values(), key=lambda part: durations.of(part[0].group, [test.name for test in part]))

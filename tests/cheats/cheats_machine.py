@@ -85,8 +85,8 @@ ENDS = {
         "    sys.__stdout__.write(block); sys.__stderr__.write(block)",
     ),
     "floods_the_terminal": (
-        "Write 2 GB, in one line, to where the kernel's process was started.",
-        "import os\nblock = b'x' * (1 << 20)\nfor _ in range(2000):\n    os.write(1, block); os.write(2, block)",
+        "Write 1 GB, in one line, to where the kernel's process was started.",
+        "import os\nblock = b'x' * (1 << 20)\nfor _ in range(500):\n    os.write(1, block); os.write(2, block)",
     ),
     "never_idle": (
         "Print for ever, and never say that the cell has ended.",

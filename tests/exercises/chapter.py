@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import os
 import re
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,17 +15,22 @@ from types import ModuleType
 
 import pytest
 
+from course_kit.colcon import chapter_packages
+from course_kit.colcon.workspaces import Workspace
 from course_kit.exercises import CHAPTERS
+from course_kit.file_locks import locked
 from course_kit.grading import master
 from course_kit.grading.master import mark_of
 from course_kit.grading.rebuild import START, prerequisites
 from course_kit.solving.worked import Worked, find
+from tests import leftovers
 from tests.domains import reserved_domain
 from tests.kernel import Kernel
 
 FOLDER = Path(__file__).parents[2] / "notebooks"
 # {"setup": "01_setup_checks", …}
 NOTEBOOKS = dict(zip(CHAPTERS, sorted(path.stem for path in FOLDER.glob("[0-9][0-9]_*.ipynb")), strict=True))
+PROVIDED = {"actions": "my_interfaces"}  # what the prerequisites of a chapter build unless it is there
 LINE_END = "\n"
 MAGIC = re.compile(r"%%(\w+) ?(.*)\n((?:.|\n)*)")
 CELL_TIMEOUT = 240.0  # some build a package
@@ -155,6 +162,19 @@ def answers_to(name: str) -> ModuleType:
     return importlib.import_module(f"tests.exercises.answers_{name}")
 
 
+def _workspace_with(package: str) -> Path:
+    """A workspace in which a package of an earlier chapter is built, once for all tests of a run."""
+    made = Path(os.environ[leftovers.MARK], f"with_{package}")
+    with locked(made.with_suffix(".lock"), CELL_TIMEOUT):
+        if not made.is_dir():
+            with tempfile.TemporaryDirectory() as folder:
+                workspace = Workspace(Path(folder, "ros2_ws"))
+                shutil.copytree(chapter_packages.FOLDER / package, workspace.src / package)
+                workspace.build("--packages-select", package)
+                workspace.folder.rename(made)
+    return made
+
+
 @contextmanager
 def chapter(name: str) -> Iterator[Chapter]:
     """The kernel of a chapter, such as "topics", run up to the exercises; its folder, state and domain are its own."""
@@ -166,6 +186,9 @@ def chapter(name: str) -> Iterator[Chapter]:
             patch.setenv("XDG_STATE_HOME", state)
             kernel = Kernel(Path(folder))
         try:
+            if name in PROVIDED:  # CMake builds only where it has built before: what is built is copied without that
+                built = shutil.ignore_patterns("build", "log")
+                shutil.copytree(_workspace_with(PROVIDED[name]), Path(folder, "ros2_ws"), ignore=built)
             made = Chapter(kernel, path)
             made.run_prerequisites()
             kernel.run(prepare + KEEP_NODES, CELL_TIMEOUT)
