@@ -95,7 +95,9 @@ def choose(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Choi
     def seconds(group: str, part: Sequence[Candidate]) -> float:
         return durations.of(group, [test.name for test in part]) if part else 0.0
 
-    of_tier = {test for test in tests if _is_of(tier, test)} | set(_one_of_each_kind(tests, tier, durations))
+    of_tier = {test for test in tests if _is_of(tier, test)}
+    if tier.turn is not None and tier.name != "changed":
+        of_tier |= set(_one_of_each_kind(tests, of_tier, durations))
     chosen = {group: [test for test in part if test in of_tier] for group, part in groups.items()}
     more = {group: seconds(group, part) - seconds(group, chosen[group]) for group, part in groups.items()}
     spent = sum(seconds(group, part) for group, part in chosen.items())
@@ -154,22 +156,22 @@ def _is_of(tier: Tier, test: Candidate) -> bool:
             return not test.is_slow and ((is_its_turn and is_its_third) or not test.by_turns)
 
 
-def _one_of_each_kind(tests: Sequence[Candidate], tier: Tier, durations: Durations) -> Iterator[Candidate]:
-    """The shortest of each kind of which the tier has none; none that is slow.
+def _one_of_each_kind(
+    tests: Sequence[Candidate], of_tier: Collection[Candidate], durations: Durations
+) -> Iterator[Candidate]:
+    """The shortest of each kind of which a tier has none; none that is slow.
 
     The cases of a function are a kind, and so are the groups of a kind, if there are as many as parts. The tests that
     take long in a module are one if the module has no others.
     """
-    if tier.turn is None or tier.name == "changed":
-        return
     kinds = defaultdict[tuple[str, str], dict[str, list[Candidate]]](lambda: defaultdict(list))
     for test in tests:
         if test.by_turns and not test.is_slow:
             kind = {"cases": function_of(test.name), "tests": test.module}.get(test.by_turns, test.kind)
             kinds[test.by_turns, kind][test.taking_turns].append(test)
-    begun = {test.module for test in tests if _is_of(tier, test)}
+    begun = {test.module for test in of_tier}
     for (by_turns, kind), of_kind in kinds.items():
-        is_there = any(_is_of(tier, part[0]) for part in of_kind.values())
+        is_there = any(part[0] in of_tier for part in of_kind.values())
         is_there |= by_turns == "tests" and kind in begun
         if not is_there and (by_turns != "group" or len(of_kind) >= PARTS):
             yield from min(of_kind.values(), key=lambda part: durations.of(part[0].group, [test.name for test in part]))
