@@ -25,13 +25,22 @@ from tests.cheats.cheat import CANARY, ESCAPED, LEFT_BEHIND, PORT, Cheat, refere
 from tests.cheats.cheats_notebook import HandedIn
 
 pytestmark = [
-    pytest.mark.cpu_bound,
     pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),
     pytest.mark.by_turns("a grading for each", of="cases"),
 ]
 CHAPTERS = {chapter.name: chapter for chapter in master.chapters()}
 ALL = [*cheats_kernel.CHEATS, *cheats_messages.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
 SLOW = pytest.mark.slow("each cheat is one grading, of 7 s and more")
+# Of their gradings more than two thirds are waiting: for a time-out, or for a process that has ended.
+WAITING = {
+    "cuts_shared_memory",
+    "deep_answer",
+    "dies_in_its_check",
+    "ignores_interrupts",
+    "never_idle",
+    "no_run_cell",
+    "stops_itself",
+}
 MOST_MEMORY = 300 << 20
 CHOSEN = {"chooses_the_seed": 4711}  # by a cheat, of which another one must have counted
 
@@ -41,6 +50,8 @@ def _params(cheats: Sequence[Cheat | HandedIn]) -> list[object]:
 
     def marks(each: Cheat | HandedIn) -> list[pytest.MarkDecorator]:
         made = [pytest.mark.timeout(each.seconds), pytest.mark.xdist_group(f"cheat {each.name}")]
+        if each.name not in WAITING:
+            made.append(pytest.mark.cpu_bound)
         return made if each.by_default else [*made, SLOW]
 
     return [pytest.param(each, id=each.name, marks=marks(each)) for each in cheats]

@@ -40,13 +40,14 @@ def notebook(notebook_of: Callable[[str, str], Chapter], answers: Answers, reque
 BUILDS = pytest.mark.slow("each answer builds a package")
 BY_TURNS = pytest.mark.by_turns("a kernel for each few exercises")
 CPU_BOUND = ("actions-5", "robot", "workspace")  # chapters, or exercises, whose answers compute, simulate or build
+WAITING = ("robot-5", "robot-7", "workspace-4")  # of those the ones whose checks wait two thirds of their time
 FURTHER = pytest.mark.slow("the reference and the first wrong answer show that the check judges")
 
 
 def row(answers: Answers, number: int, *values: Any, id: str, marks: Sequence[pytest.MarkDecorator] = ()) -> Any:
     """The parameters of one test; those of a group run one after another, in one kernel."""
     marks = [pytest.mark.xdist_group(answers.group(number)), *marks]
-    if answers.exercise.startswith(CPU_BOUND):
+    if answers.exercise.startswith(CPU_BOUND) and answers.exercise not in WAITING:
         marks.append(pytest.mark.cpu_bound)
     return pytest.param(answers, *values, id=id, marks=marks)
 
