@@ -18,7 +18,7 @@ from service_msgs.msg import ServiceEventInfo
 
 from course_kit import bags
 from course_kit.background.running import run, stop
-from course_kit.watching import instruments
+from course_kit.watching import clients, instruments
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
@@ -53,7 +53,7 @@ def adder(fresh_domain: Any) -> Iterator[Adder]:
 
 
 def call(name: str, number: int) -> None:
-    instruments.call(AddTwoInts, name, AddTwoInts.Request(a=number, b=1), 10.0, 10.0)
+    clients.call(AddTwoInts, name, AddTwoInts.Request(a=number, b=1), 10.0, 10.0)
 
 
 def recorded(folder: Path, *options: str) -> Path:

@@ -20,7 +20,7 @@ from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute
 from course_kit import run, stop
 from course_kit.live.turtle_topics import TurtleTopics
 from course_kit.turtlesim import TurtleSim, picture
-from course_kit.watching import instruments
+from course_kit.watching import clients, instruments
 from tests.waiting import wait_until
 
 
@@ -41,7 +41,7 @@ def looking(turtle: str = "turtle1", namespace: str = "") -> Iterator[TurtleTopi
 
 
 def call(service_type: Any, name: str, /, **request: Any) -> Any:
-    return instruments.call(service_type, name, service_type.Request(**request), 10.0, 10.0)
+    return clients.call(service_type, name, service_type.Request(**request), 10.0, 10.0)
 
 
 def names(seen: TurtleTopics) -> list[str]:

@@ -19,7 +19,7 @@ from course_kit.node_logs.rosout import LEVELS, level_number
 from course_kit.polling import wait_until
 from course_kit.ros_graph import graph
 from course_kit.spinning import executors
-from course_kit.watching import instruments
+from course_kit.watching import clients, instruments
 
 DEFAULT = "INFO"  # where no level was set
 
@@ -89,7 +89,7 @@ def _wait_for_node(node: Node | str, timeout: float) -> str:
 def _call(service_type: Any, node: str, service: str, request: Any, timeout: float) -> Any:
     executors.refuse_in_callback("a logger service")
     try:
-        return instruments.call(service_type, f"{node}/{service}", request, min(timeout, 2.0), timeout)
+        return clients.call(service_type, f"{node}/{service}", request, min(timeout, 2.0), timeout)
     except LookupError:
         raise RuntimeError(
             f"{node} has no service {node}/{service}, so its level cannot be changed from outside. Make the node "

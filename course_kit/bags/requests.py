@@ -12,6 +12,7 @@ from service_msgs.msg import ServiceEventInfo
 from course_kit.interface_types import message_class
 from course_kit.polling import wait_until
 from course_kit.watching import instruments
+from course_kit.watching.clients import client_of
 
 REQUESTS = (ServiceEventInfo.REQUEST_SENT, ServiceEventInfo.REQUEST_RECEIVED)
 ANSWER_TIMEOUT = 1.0  # seconds given to the last answers
@@ -28,7 +29,7 @@ class Requests:
         self._event = message_class(event_type)
         self._stack = ExitStack()
         service = message_class(event_type.removesuffix("_Event"))
-        self._client = self._stack.enter_context(instruments.client_of(instruments.node(), service, name))
+        self._client = self._stack.enter_context(client_of(instruments.node(), service, name))
         self._sources: dict[bytes, int] = {}  # by client: who tells of its requests, itself or the server
         self._answers: list[Any] = []
         self._said: set[str] = set()

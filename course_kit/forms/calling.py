@@ -16,7 +16,6 @@ from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 
 from course_kit.calls.goals import STATES
-from course_kit.calls.meeting import meet_server
 from course_kit.forms.interface import Interface
 from course_kit.forms.sender import Sender, State
 from course_kit.polling import wait_until
@@ -24,7 +23,7 @@ from course_kit.ros2.messages.yaml_text import to_yaml
 from course_kit.spinning import action_answers, errors
 from course_kit.spinning.executors import SpinThread
 from course_kit.spinning.nodes import quiet_node
-from course_kit.watching import instruments
+from course_kit.watching import clients, instruments
 
 FOUND = 5.0  # seconds given to a server to be there
 ANSWER = 10.0  # seconds given to it to answer a request, or to take or cancel a goal
@@ -81,7 +80,7 @@ class ServiceCaller(_Background):
     def _talk(self, value: Any) -> None:
         began = time.monotonic()
         name, request = self.interface.name, self._stamped(value)
-        response = instruments.call(self.interface.type, name, request, FOUND, ANSWER, self._wait)
+        response = clients.call(self.interface.type, name, request, FOUND, ANSWER, self._wait)
         took = time.monotonic() - began
         self._state = State(f"answered after {took:.2g} s", to_yaml(response).strip(), is_busy=True)
 
@@ -108,7 +107,7 @@ class GoalSender(_Background):
             client = ActionClient(node, self.interface.type, self.interface.name)
             if not self._wait(client.server_is_ready, FOUND):
                 raise LookupError(f"nobody offers {self.interface.name} (waited {FOUND:g} s)")
-            meet_server(client, self._wait)
+            clients.meet_server(client, self._wait)
             self._follow(client, goal)
 
     def _follow(self, client: Any, goal: Any) -> None:

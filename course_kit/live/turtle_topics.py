@@ -21,7 +21,7 @@ from turtlesim.msg import Color, Pose
 from course_kit.turtlesim import drawing_report
 from course_kit.turtlesim.field import MIDDLE
 from course_kit.turtlesim.seen_field import SeenField
-from course_kit.watching import instruments, topics
+from course_kit.watching import clients, instruments, topics
 from course_kit.watching.listening import close_all
 from course_kit.watching.raw_subscriptions import Callback, RawSubscription
 
@@ -78,7 +78,7 @@ class TurtleTopics:
 
         def call() -> None:
             try:
-                answer = instruments.call(service_type, name, service_type.Request(**request), FOUND, ANSWERED)
+                answer = clients.call(service_type, name, service_type.Request(**request), FOUND, ANSWERED)
             except Exception as error:  # it is not there, gives no answer, or ROS has ended
                 self._came.append((time.time_ns(), self.on_silence, (str(error),)))
             else:

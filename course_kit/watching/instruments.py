@@ -5,15 +5,13 @@ They are apart from the student's nodes: a student's callback that blocks stalls
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from rclpy.client import Client
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -25,10 +23,6 @@ from course_kit.spinning.executors import SpinThread
 from course_kit.spinning.nodes import quiet_node
 from course_kit.watching import topics
 from course_kit.watching.raw_subscriptions import Callback, RawSubscription, Refused, Watcher
-
-Wait = Callable[[Callable[[], Any], float, float], Any]  # wait(condition, timeout, poll)
-
-POLL = 0.002  # seconds between two looks at whether an answer has come
 
 
 @dataclass
@@ -119,32 +113,6 @@ def subscribe_exactly(
     Without it less is asked for then.
     """
     return _running().watcher.subscribe(topic, message_type, qos, callback, on_refused)
-
-
-@contextlib.contextmanager
-def client_of(asking: Node, service_type: Any, name: str) -> Iterator[Client]:
-    """A client while the block runs. It ends in the node's thread: what is destroyed while it is waited on raises."""
-    client = asking.create_client(service_type, name)
-    try:
-        yield client
-    finally:
-        if asking.executor is not None:
-            asking.executor.create_task(asking.destroy_client, client)
-
-
-def call(
-    service_type: Any, name: str, request: Any, found_timeout: float, timeout: float, wait: Wait = wait_until
-) -> Any:
-    """The response of a service. LookupError if nobody offers it in time, TimeoutError if no answer comes in time."""
-    with client_of(node(), service_type, name) as client:
-        if not wait(client.service_is_ready, found_timeout, POLL):
-            raise LookupError(f"nobody offers {name} (waited {found_timeout:g} s)")
-        future = client.call_async(request)
-        if not wait(future.done, timeout, POLL):
-            raise TimeoutError(
-                f"{name} gave no answer within {timeout:g} s. Is the node busy in a callback, or has it ended?"
-            )
-        return future.result()
 
 
 def _running() -> _Instruments:

@@ -33,7 +33,7 @@ from rclpy.node import Node
 from turtlesim.msg import Pose
 from course_kit import run
 from course_kit.turtlesim import TurtleSim
-from course_kit.watching import instruments
+from course_kit.watching import clients
 from turtlesim.srv import Spawn
 class Circles(Node):
     def __init__(self):
@@ -82,7 +82,7 @@ plt.show()
 """
 TEN = """
 for number in range(9):
-    instruments.call(Spawn, "/spawn", Spawn.Request(x=2.0 + 0.7 * number, y=4.0, theta=0.0), 5, 5)
+    clients.call(Spawn, "/spawn", Spawn.Request(x=2.0 + 0.7 * number, y=4.0, theta=0.0), 5, 5)
 """
 NOTEBOOKS = {
     "panel": {"start": START, "show": "from course_kit.live.turtle import drive\npanel = drive()", "ten": TEN},

@@ -26,10 +26,10 @@ def _run(args: Namespace, session: Session) -> None:
     session.join()
     from rclpy.action import ActionClient
 
-    from course_kit.calls.meeting import meet_server
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
     from course_kit.spinning import action_answers
+    from course_kit.watching.clients import meet_server
 
     kind = interface_class(args.action_type, "action")
     goal = kind.Goal()

@@ -38,7 +38,7 @@ def call(session: Session, node_name: str, service: str, timeout: float | None, 
     """
     from lifecycle_msgs import srv  # type: ignore[import-untyped]
 
-    from course_kit.watching.instruments import client_of
+    from course_kit.watching.clients import client_of, meet_service
 
     kind, doing = getattr(srv, KINDS[service]), f"calling service of node '{node_name}'"
     if timeout is None:
@@ -47,6 +47,7 @@ def call(session: Session, node_name: str, service: str, timeout: float | None, 
         if not session.until(client.service_is_ready, FOUND_TIMEOUT):
             raise CommandError(f"Exception while {doing}: nobody offers {node_name}/{service}")
         late = time.monotonic() + timeout
+        meet_service(session.node, client, session.until)
         response = outcome(
             session,
             client.call_async(kind.Request(**request)),

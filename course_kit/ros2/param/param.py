@@ -139,7 +139,7 @@ def _delete(args: Namespace, session: Session) -> None:
 
     node = _found_node(args, session)
     nothing = Parameter(name=args.parameter_name)
-    (result,) = call(session, node, "set_parameters", is_repeated=False, parameters=[nothing]).results
+    (result,) = call(session, node, "set_parameters", parameters=[nothing]).results
     _report(session, result, "Deleted parameter", "Deleting parameter", adverb="successfully")
 
 

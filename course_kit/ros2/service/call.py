@@ -15,10 +15,9 @@ from course_kit.ros2.verbs import LONGEST, CommandError, Verb, argument, failing
 
 def _run(args: Namespace, session: Session) -> None:
     session.join()
-    from course_kit.calls.meeting import meet_service
     from course_kit.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.ros2.messages.values import stamp
-    from course_kit.watching.instruments import client_of
+    from course_kit.watching.clients import client_of, meet_service
 
     if args.rate is not None and args.rate <= 0:
         raise CommandError("rate must be greater than zero")

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import time
 from argparse import Namespace
+from functools import partial
 from typing import Any
 
 import pytest
 from example_interfaces.action import Fibonacci
+from rcl_interfaces.srv import GetParameters
 from rclpy.action import ActionClient, ActionServer, GoalResponse
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from course_kit.background.running import running
-from course_kit.calls.meeting import PERIOD, meet_server, meet_service
 from course_kit.polling import wait_until
 from course_kit.ros2.servers import outcome
 from course_kit.ros2.session import Session
 from course_kit.ros2.verbs import CommandError
 from course_kit.spinning.nodes import quiet_node
+from course_kit.watching import instruments
+from course_kit.watching.clients import PERIOD, call, meet_server, meet_service
 from tests.waiting import wait_until as wait_for
 
 
@@ -96,6 +99,29 @@ def test_a_service_that_is_met_is_not_called_and_answers_the_next_request():
         wait_for(answer.done)
         assert server.count == 1
         wait_for(lambda: len(list(calling.clients)) == 1)
+
+
+class Known(Node):
+    """Notes the requests for its parameters and for its service, in their order."""
+
+    def __init__(self) -> None:
+        super().__init__("known", start_parameter_services=False)
+        self.asked: list[str] = []
+        self.create_service(GetParameters, "known/get_parameters", partial(self.answer, "parameters"))
+        self.create_service(Trigger, "trigger", partial(self.answer, "trigger"))
+
+    def answer(self, what: str, request: Any, response: Any) -> Any:
+        self.asked.append(what)
+        return response
+
+
+def test_a_call_meets_the_service_and_asks_it_once():
+    with running(Known) as server:
+        wait_for(lambda: instruments.node().count_services("/trigger"))
+        assert call(Trigger, "/trigger", Trigger.Request(), 5.0, 10.0) is not None
+        *meetings, last = server.asked
+        assert last == "trigger"
+        assert set(meetings) == {"parameters"}
 
 
 def test_a_service_beside_no_parameters_is_not_waited_for():

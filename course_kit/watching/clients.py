@@ -1,9 +1,14 @@
-"""A new client and its server, until the server has found the client: before, its answers are lost."""
+"""Clients that ask a service once: it finds the client, meets it, then answers.
+
+A server that has not found a client yet throws its answers to that client away, and neither of them can see it.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any
 
@@ -11,11 +16,47 @@ from rcl_interfaces.srv import GetParameters  # type: ignore[import-untyped]
 from rclpy.client import Client
 from rclpy.node import Node, NodeNameNonExistentError
 
-from course_kit.watching.instruments import client_of
+from course_kit.polling import wait_until
+from course_kit.watching import instruments
 
 MEET_TIMEOUT = 2.0  # seconds after which a server counts as busy
 PERIOD = 0.5  # seconds from one request to the next while no answer comes
+POLL = 0.002  # seconds between two looks at whether an answer has come
 Until = Callable[[Callable[[], Any], float], Any]  # waits for a condition, in seconds; tells whether it holds
+Wait = Callable[[Callable[[], Any], float, float], Any]  # the same with the seconds from one look to the next
+
+
+@contextlib.contextmanager
+def client_of(asking: Node, service_type: Any, name: str) -> Iterator[Client]:
+    """A client while the block runs. It ends in the node's thread: what is destroyed while it is waited on raises."""
+    client = asking.create_client(service_type, name)
+    try:
+        yield client
+    finally:
+        if asking.executor is not None:
+            asking.executor.create_task(asking.destroy_client, client)
+
+
+def call(
+    service_type: Any, name: str, request: Any, found_timeout: float, timeout: float, wait: Wait = wait_until
+) -> Any:
+    """The response of a service. LookupError if nobody offers it in time, TimeoutError if no answer comes in time."""
+    asking = instruments.node()
+    with client_of(asking, service_type, name) as client:
+        if not wait(client.service_is_ready, found_timeout, POLL):
+            raise LookupError(f"nobody offers {name} (waited {found_timeout:g} s)")
+        late = time.monotonic() + timeout
+
+        def until(condition: Callable[[], Any], seconds: float) -> Any:
+            return wait(condition, max(0.0, min(seconds, late - time.monotonic())), POLL)
+
+        meet_service(asking, client, until)
+        future = client.call_async(request)
+        if not until(future.done, timeout):
+            raise TimeoutError(
+                f"{name} gave no answer within {timeout:g} s. Is the node busy in a callback, or has it ended?"
+            )
+        return future.result()
 
 
 def meet_server(client: Any, until: Until) -> bool:
