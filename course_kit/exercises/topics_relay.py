@@ -76,9 +76,15 @@ class Relayed:
         return [after - before for before, after in pairwise(self.moving)]
 
     @property
+    def begins_late(self) -> bool:
+        """Whether the first of those is none of the first ten."""
+        return bool(self.moving) and self.moving[0] >= 10
+
+    @property
     def uneven(self) -> set[int]:
-        """The places of those steps that are no ten."""
-        return {place for place, step in enumerate(self.steps) if step != 10}
+        """The places of those steps that are no ten, from 1; with 0 if it begins late."""
+        steps = {place for place, step in enumerate(self.steps, 1) if step != 10}
+        return steps | {0} if self.begins_late else steps
 
     @property
     def equal(self) -> int:
@@ -92,9 +98,9 @@ class Relayed:
 
     @property
     def unexplained(self) -> int:
-        """How many steps are no ten, and the poses at their ends had not waited in a queue that may have lost some."""
-        late = [delay > BACKLOG for delay in self.delays]
-        return sum(step != 10 and not any(ends) for step, ends in zip(self.steps, pairwise(late), strict=True))
+        """Of how many uneven places the poses at the ends had not waited in a queue that may have lost some."""
+        late = [False, *(delay > BACKLOG for delay in self.delays)]
+        return sum(not any(late[place : place + 2]) for place in self.uneven)
 
     def is_every_tenth(self, lost: int = 0) -> bool:
         """One after nine, but for so many times that a short queue has lost some: then the next comes later."""
@@ -102,7 +108,7 @@ class Relayed:
         if not steps or min(steps) < 10 or abs(self.equal - EQUAL / 10) > 1:
             return False
         others = self.unexplained if lost else len(self.uneven)
-        return others <= lost and moving[0] < 10 and moving[-1] >= len(self.sent) - 12
+        return others <= lost and moving[-1] >= len(self.sent) - 12
 
     @property
     def is_at_once(self) -> bool:
@@ -227,7 +233,7 @@ def _why_not_got(relayed: Relayed) -> str:
 
 def _why_not_tenth(relayed: Relayed) -> str:
     sent, steps, moving = relayed.sent, relayed.steps, relayed.moving
-    if steps and set(steps) == {10} and moving[0] >= 10:
+    if steps and relayed.uneven == {0}:
         return f"The first that came was number {moving[0] + 1}: begin with one of the first ten."
     if abs(relayed.equal - EQUAL / 10) > 1 and set(steps) == {10}:
         return f"Of {EQUAL} equal poses {relayed.equal} came: count each message, also one that says the same again."
