@@ -19,6 +19,7 @@ from course_kit.examining.vocabulary import (
     wait_for_attribute,
 )
 from course_kit.examining.vocabulary_actions import STATUSES, FibonacciServer, TurtlesRotations
+from course_kit.examining.vocabulary_services import ANSWER_TIMEOUT
 from course_kit.turtlesim.field import MIDDLE
 from course_kit.turtlesim.turtle import ARRIVED, Outcome
 
@@ -40,7 +41,7 @@ def face_west() -> None:
         answer(threads=None)
         require(
             "the turtle gets a goal",
-            wait(lambda: rotations.goals, 3.0, "a goal of the turtle's action"),
+            wait(lambda: rotations.goals, ANSWER_TIMEOUT, "a goal of the turtle's action"),
             "No goal came on `/turtle1/rotate_absolute`: an ActionClient of the type turtlesim/action/RotateAbsolute, "
             "`wait_for_server` with a timeout, and `send_goal_async` when the node is made. `%ros2 action info "
             "/turtle1/rotate_absolute` shows its clients.",
@@ -114,7 +115,7 @@ def impatient() -> None:
     for rest, refuses in zip(rests, chance().sample([False, True], 2), strict=True):
         server.begin(chance().uniform(0.04, 0.08), rest, patient_after=5, refuses=refuses)
         answer(threads=None)
-        wait(lambda: server.orders, 3.0, "a goal for /fibonacci")
+        wait(lambda: server.orders, ANSWER_TIMEOUT, "a goal for /fibonacci")
         if refuses and wait(lambda: server.cancelled_after is not None or server.ended, 5.0, "a request to cancel"):
             early = wait_for_attribute("status", partial(_is_status, "succeeded"), timeout=0.5, needed=False)
             is_early = _is_status("succeeded", early) and not server.ended
