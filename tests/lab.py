@@ -45,6 +45,8 @@ def server(root: Path, config: Path, *arguments: str) -> Iterator[str]:
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--ip=127.0.0.1", "--allow-root"]
     # Each kernel's sockets are files: a free port may be taken before a kernel has it, and its page waits for minutes.
     command += ["--expose-app-in-browser", f"--ServerApp.root_dir={root}", "--KernelManager.transport=ipc"]
+    # It looks for a free port, frees it, tells it, and then takes it: of two that start at once, both may tell 8888.
+    command += ["--ServerApp.port=0"]
     # A short name, for that of a socket has 107 characters at most; a kernel may remove its sockets at the same time.
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as runtime:
         process = subprocess.Popen(

@@ -255,7 +255,7 @@ def out_of_time(*_: Any) -> None:
     raise InterruptedError("it was not over in time")
 
 
-def problem(call: Callable[[], Any]) -> str | None:
+def problem(call: Callable[[], Any], is_again: bool = False) -> str | None:
     """What is wrong with how a call is refused, if anything is."""
     said = io.StringIO()
     signal.signal(signal.SIGALRM, out_of_time)
@@ -284,7 +284,8 @@ def problem(call: Callable[[], Any]) -> str | None:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
     if (took := time.monotonic() - began) > LONGEST:
-        return f"took {took:.1f} s: {seen}"
+        # The middleware may hold Python's lock for 2 s, for what a killed process of another test has left: once.
+        return problem(call, is_again=True) if not is_again else f"took {took:.1f} s: {seen}"
     if said.getvalue():
         return f"printed {said.getvalue()[:100]!r}"
     return None
