@@ -227,6 +227,20 @@ def test_what_has_to_go_on_heeds_no_signal() -> None:
     assert run(code + "print('here')") == (0, ["here"])
 
 
+def test_a_fault_of_its_own_is_told() -> None:
+    """Such as a bus error; a thread to which no signals go ends the process without a word."""
+    code = """
+from pathlib import Path
+from course_kit.ending import watchdog
+tasks = set(Path("/proc/self/task").iterdir())
+watchdog.begin()
+for task in set(Path("/proc/self/task").iterdir()) - tasks:
+    blocked = int((task / "status").read_text().partition("SigBlk:")[2].split()[0], 16)
+    print([number for number in (2, 4, 7, 8, 11, 15) if blocked >> (number - 1) & 1])
+"""
+    assert run(code) == (0, ["[2, 15]"])
+
+
 def test_a_forked_child_has_a_watchdog_of_its_own() -> None:
     code = """
 import os

@@ -398,11 +398,14 @@ static void *relay(void *nothing) {
     return nothing;
 }
 
-/* Starts a thread, to which no signals go; returns 0, or -1 with errno. */
+/* Starts a thread, to which no signals go but those of its own faults, so that it can be told where one happened.
+   Returns 0, or -1 with errno. */
 static int start(void *(*work)(void *)) {
+    static const int faults[] = {SIGBUS, SIGSEGV, SIGILL, SIGFPE};
     pthread_t thread;
     sigset_t all, before;
     sigfillset(&all); /* signals go to the threads of the program */
+    for (size_t index = 0; index < sizeof faults / sizeof *faults; index++) sigdelset(&all, faults[index]);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     errno = pthread_create(&thread, NULL, work, NULL);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
