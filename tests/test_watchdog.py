@@ -232,11 +232,15 @@ def test_a_fault_of_its_own_is_told() -> None:
     code = """
 from pathlib import Path
 from course_kit.ending import watchdog
+from course_kit.polling import wait_until
 tasks = set(Path("/proc/self/task").iterdir())
 watchdog.begin()
-for task in set(Path("/proc/self/task").iterdir()) - tasks:
-    blocked = int((task / "status").read_text().partition("SigBlk:")[2].split()[0], 16)
-    print([number for number in (2, 4, 7, 8, 11, 15) if blocked >> (number - 1) & 1])
+(task,) = set(Path("/proc/self/task").iterdir()) - tasks
+def blocked():
+    mask = int((task / "status").read_text().partition("SigBlk:")[2].split()[0], 16)
+    return [number for number in (2, 4, 7, 8, 11, 15) if mask >> (number - 1) & 1]
+wait_until(lambda: blocked() == [2, 15], 20.0)  # until a thread begins, all are
+print(blocked())
 """
     assert run(code) == (0, ["[2, 15]"])
 
