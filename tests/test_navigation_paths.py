@@ -170,6 +170,16 @@ def test_it_follows_a_curve_and_arrives_with_the_heading_of_the_goal(heading: fl
     assert seconds < 3 * planning.length(CURVE) / LIMITS.speed
 
 
+def test_the_metres_that_are_left_are_right_after_a_long_tick_too() -> None:
+    """A busy machine's; the last brings the robot to the goal, where it only has to turn."""
+    path = np.column_stack([np.linspace(2, 3, 21), np.zeros(21)])
+    journey = Journey((3.0, 0.0, 1.0), LIMITS)
+    journey.follow(path)
+    for time, x in ((0.0, 2.2), (3.0, 2.86), (3.5, 2.97)):
+        journey.tick(time, (x, 0.0, 0.0), NOTHING)
+        assert journey.remaining((x, 0.0, 0.0)) == pytest.approx(3.0 - x, abs=0.05)
+
+
 def test_the_circle_to_a_point_leads_there() -> None:
     pursuit = Pursuit(np.array([[0.0, 0.0], [0.25, 0.1], [0.5, 0.4]]), Limits(ahead=0.2))
     speed, turning = pursuit.command((0.0, 0.0, 0.0), math.inf, math.inf)

@@ -44,8 +44,8 @@ class Pursuit:
 
     def remaining(self, place: Place) -> float:
         """Metres along the path from the robot to its end."""
-        left = self.path[self._nearest :]
-        return math.dist(place[:2], left[0]) + length(left)
+        self._pass_points(place)
+        return math.dist(place[:2], self.left()[0]) + length(self.left())
 
     def left(self) -> Floats:
         """The points of the path that are still ahead."""
@@ -53,13 +53,17 @@ class Pursuit:
 
     def target(self, place: Place, ahead: float) -> tuple[float, float]:
         """The point of the path to drive at: the first that is `ahead` metres away or more, else the last."""
-        # The nearest point is looked for a little further on only: the same place may come again later.
-        window = self.path[self._nearest : self._nearest + 20]
-        self._nearest += int(np.argmin(np.hypot(*(window - np.array(place[:2])).T)))
+        self._pass_points(place)
         away = np.hypot(*(self.left() - np.array(place[:2])).T)
         far = np.nonzero(away >= ahead)[0]
         x, y = self.left()[far[0] if len(far) else -1]
         return float(x), float(y)
+
+    def _pass_points(self, place: Place) -> None:
+        """Leave the points behind that come before the nearest one."""
+        # It is looked for a little further on only: the same place may come again later.
+        window = self.path[self._nearest : self._nearest + 20]
+        self._nearest += int(np.argmin(np.hypot(*(window - np.array(place[:2])).T)))
 
     def command(self, place: Place, room: float, beside: float) -> tuple[float, float]:
         """How to drive, m/s and rad/s; `room`: metres that are free ahead, `beside`: metres to the nearest wall."""
