@@ -141,6 +141,22 @@ def test_a_service_that_answers_nothing_counts_as_busy():
         busy.destroy_node()
 
 
+def test_a_caller_without_time_left_asks_once():
+    waits = []
+
+    def until(condition: Any, seconds: float) -> Any:
+        waits.append(seconds)
+        return wait_until(condition, 10.0 if len(waits) == 1 else 0.0)
+
+    with running(Calling) as calling:
+        busy = Node("busy", context=calling.context)  # nobody spins it
+        busy.create_service(Trigger, "trigger", lambda _, response: response)
+        wait_for(calling.client.service_is_ready)
+        assert not meet_service(calling, calling.client, until)
+        assert len(waits) == 2  # for the service, and for its answer
+        busy.destroy_node()
+
+
 def test_an_answer_that_does_not_come_ends_a_call_in_a_notebook():
     session = Session(Namespace())
     session.in_notebook = True

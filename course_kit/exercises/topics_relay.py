@@ -76,15 +76,10 @@ class Relayed:
         return [after - before for before, after in pairwise(self.moving)]
 
     @property
-    def begins_late(self) -> bool:
-        """Whether the first of those is none of the first ten."""
-        return bool(self.moving) and self.moving[0] >= 10
-
-    @property
     def uneven(self) -> set[int]:
-        """The places of those steps that are no ten, from 1; with 0 if it begins late."""
-        steps = {place for place, step in enumerate(self.steps, 1) if step != 10}
-        return steps | {0} if self.begins_late else steps
+        """The places of those steps that are no ten, from 1; with 0 if none of the first ten poses came."""
+        begins_late = {0} if self.moving and self.moving[0] >= 10 else set()
+        return begins_late | {place for place, step in enumerate(self.steps, 1) if step != 10}
 
     @property
     def equal(self) -> int:

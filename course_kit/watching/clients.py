@@ -99,7 +99,10 @@ def _parameters_beside(node: Node, service: str) -> str | None:
 def _is_answered(ask: Callable[[], Any], until: Until) -> bool:
     answers: list[Any] = []
     for _ in range(round(MEET_TIMEOUT / PERIOD)):
+        asked = time.monotonic()
         ask().add_done_callback(answers.append)
         if until(lambda: answers, PERIOD):
             return True
+        if time.monotonic() < asked + PERIOD / 2:  # the caller's own time is over
+            break
     return False

@@ -39,6 +39,7 @@ class Cheat:
     timeout: float = 20.0  # of a cell
     by_default: bool = False  # whether it is run without --full
     seconds: int = 300  # after which the test has hung
+    mostly_waits: bool = False  # for a time-out, or a process that has ended: two thirds of its grading
 
 
 def wrong(exercise: str, name: str) -> Wrong:

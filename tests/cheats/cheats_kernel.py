@@ -169,6 +169,7 @@ CHEATS += [
         "Take away what runs cells: the check cell is waited for as long as any check cell may take.",
         f"{LAMP}\nget_ipython().run_cell = None\n",
         seconds=900,
+        mostly_waits=True,
     ),
     Cheat(
         "equal_to_all",

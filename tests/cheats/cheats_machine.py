@@ -102,6 +102,7 @@ ENDS = {
 }
 TIMEOUTS = {"hangs": 8.0, "ignores_interrupts": 8.0, "stops_itself": 8.0, "never_idle": 5.0, "closes_sockets": 8.0}
 DEFAULT = ("outlives",)
+WAITING = ("stops_itself", "ignores_interrupts", "cuts_shared_memory", "never_idle")
 CHEATS = [
     Cheat(
         name,
@@ -111,6 +112,7 @@ CHEATS = [
         honest="setup-2",
         timeout=TIMEOUTS.get(name, 30.0),
         by_default=name in DEFAULT,
+        mostly_waits=name in WAITING,
     )
     for name, (tries, source) in ENDS.items()
 ]
@@ -324,6 +326,7 @@ CHEATS += [
         "End the kernel when the class is made.",
         EMPTY + "        import os; os._exit(0)\n",
         honest="services-4",
+        mostly_waits=True,
     ),
     Cheat(
         "hangs_in_its_check",

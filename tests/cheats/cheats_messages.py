@@ -83,6 +83,7 @@ CHEATS = [
         "    return {'value': deep, 'error': deep} if order.get('node_class') == 'Lamp' else plain(order, *rest)\n"
         f"answer_host.obey = obey\n{EMPTY}",
         honest="services-4",
+        mostly_waits=True,
     ),
     Cheat(
         "odd_outputs",

@@ -31,16 +31,6 @@ pytestmark = [
 CHAPTERS = {chapter.name: chapter for chapter in master.chapters()}
 ALL = [*cheats_kernel.CHEATS, *cheats_messages.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
 SLOW = pytest.mark.slow("each cheat is one grading, of 7 s and more")
-# Of their gradings more than two thirds are waiting: for a time-out, or for a process that has ended.
-WAITING = {
-    "cuts_shared_memory",
-    "deep_answer",
-    "dies_in_its_check",
-    "ignores_interrupts",
-    "never_idle",
-    "no_run_cell",
-    "stops_itself",
-}
 MOST_MEMORY = 300 << 20
 CHOSEN = {"chooses_the_seed": 4711}  # by a cheat, of which another one must have counted
 
@@ -50,7 +40,7 @@ def _params(cheats: Sequence[Cheat | HandedIn]) -> list[object]:
 
     def marks(each: Cheat | HandedIn) -> list[pytest.MarkDecorator]:
         made = [pytest.mark.timeout(each.seconds), pytest.mark.xdist_group(f"cheat {each.name}")]
-        if each.name not in WAITING:
+        if isinstance(each, HandedIn) or not each.mostly_waits:
             made.append(pytest.mark.cpu_bound)
         return made if each.by_default else [*made, SLOW]
 

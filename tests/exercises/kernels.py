@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from queue import Empty
 from typing import Any, NamedTuple
 
-from tests import leftovers
 from tests.domains import use_own_domain
 from tests.exercises.chapter import Chapter, chapter
 
@@ -78,8 +76,6 @@ def check_all(name: str, answers: Sequence[Put], kernels: int) -> Iterator[Shown
 
     It ends early, and says so, when nothing comes any more.
     """
-    if leftovers.MARK not in os.environ:  # this is no test
-        leftovers.begin()
     context = multiprocessing.get_context("spawn")
     todo, shown = context.Queue(), context.Queue()
     for job in [*answers, *[None] * kernels]:

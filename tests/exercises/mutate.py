@@ -18,6 +18,7 @@ import yaml
 
 from course_kit import exercises
 from course_kit.exercises import CHAPTERS
+from tests import leftovers
 from tests.exercises.chapter import answers_to
 from tests.exercises.kernels import Put, check_all
 from tests.exercises.mutants import mutants
@@ -38,6 +39,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=4, help="kernels beside each other")
     parser.add_argument("--list", action="store_true", help="list the changes and check none")
     chosen = parser.parse_args()
+    leftovers.begin()
     equivalent: dict[str, dict[str, str]] = yaml.safe_load(EQUIVALENT.read_text())
     is_left = False
     for name in CHAPTERS:

@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from course_kit.exercises import CHAPTERS
+from tests import leftovers
 from tests.exercises.chapter import answers_to, judge
 from tests.exercises.kernels import Put, check_all
 
@@ -30,6 +31,7 @@ def main() -> int:
     parser.add_argument("--busy", type=int, default=2, help="processes that keep a core busy each")
     parser.add_argument("--right", action="store_true", help="the right answers only")
     chosen = parser.parse_args()
+    leftovers.begin()
     checks, wrong = 0, Counter[str]()
     with _busy(chosen.busy):
         for name in CHAPTERS:
