@@ -107,7 +107,8 @@ class Star:
         ]
         if not left or not behind[-1]:
             return math.inf
-        parts = [1.0, self.lines / behind[-1]] if self.is_drawn(COASTED) else [1.0]
+        may_be_astray = behind[-1] > self.lines or self.is_drawn(COASTED)
+        parts = [1.0, self.lines / behind[-1]] if may_be_astray else [1.0]
         return min(statistics.median(abs(way * part - said) for way, said in left) for part in parts)
 
 

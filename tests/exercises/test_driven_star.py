@@ -52,3 +52,20 @@ def test_measured_metres_of_what_is_no_star_are_not_right(distance):
     pentagon = driven(corners(1 / 5, 1.2 * SIDE), distance)
     assert not pentagon.is_drawn(1.5)
     assert pentagon.is_finished == (distance == 6.0)
+
+
+@pytest.mark.parametrize(("lines_told", "is_right"), [(4, True), (0, False)])
+def test_feedback_is_held_against_the_lines_where_the_turtle_went_astray(lines_told, is_right):
+    """As on a busy machine: at each corner of a pentagon it overshoots by a line and drives back."""
+    places = corners(1 / 5, SIDE)
+    ends = [(2 * b[0] - a[0], 2 * b[1] - a[1]) for a, b in pairwise(places)]
+    astray = driven([places[0], *(point for pair in zip(ends, places[1:], strict=True) for point in pair)], 6.0)
+    assert not astray.is_drawn(1.5)
+    mine = SimpleNamespace(uuid=[1])
+    told = []
+    for number, (when, pose) in enumerate(astray.arrivals[1:]):
+        line = number // 100
+        left = math.dist((pose.x, pose.y), places[line + 1]) + SIDE * min(lines_told, 4 - line)
+        told.append((when, SimpleNamespace(goal_id=mine, feedback=SimpleNamespace(distance_left=left))))
+    astray.goal.heard, astray.goal.handle = SimpleNamespace(arrivals=told), SimpleNamespace(goal_id=mine)
+    assert (astray.wrong_feedback < SIDE / 2 + 0.3) == is_right
