@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import linecache
 import sys
 import threading
@@ -11,6 +12,7 @@ from pathlib import Path
 from types import FrameType
 
 LONG = 5.0  # seconds that a callback may take before anything is said
+_looks = threading.Lock()
 
 
 @dataclass
@@ -36,7 +38,7 @@ def look(thread: threading.Thread, before: Stall | None) -> Stall | None:
     """The callback that runs in a thread, where `before` is what was seen at the last look; None if none runs."""
     from course_kit.causes.frames import is_library, is_plumbing  # looks for all of Python's folders
 
-    frame = sys._current_frames().get(thread.ident or 0)
+    frame = _frame_of(thread)
     own: list[FrameType] = []
     while frame is not None:
         path = Path(frame.f_code.co_filename)
@@ -51,3 +53,19 @@ def look(thread: threading.Thread, before: Stall | None) -> Stall | None:
     place = f"line {number} of {now.f_code.co_name}: {line}"
     since = before.since if before is not None and before.began is began else time.time()
     return Stall(began, since, place)
+
+
+def _frame_of(thread: threading.Thread) -> FrameType | None:
+    """Where a thread is now; None if it has ended.
+
+    No garbage is collected meanwhile. Before Python 3.12 that could happen while the list of threads is locked, and run
+    callbacks written in Python; a thread that then begins another waits for the list with Python's lock, for ever.
+    """
+    with _looks:
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            return sys._current_frames().get(thread.ident or 0)
+        finally:
+            if collects:
+                gc.enable()
