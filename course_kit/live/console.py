@@ -112,6 +112,7 @@ _changed: set[Console] = set()
 _wake = threading.Event()
 _ending = threading.Event()
 _updater: threading.Thread | None = None
+_beginning = threading.Lock()  # a cell begins it, or a line of a log, and there is one
 
 
 def attach() -> None:
@@ -159,10 +160,11 @@ def refresh(console: Console) -> None:
 def _begin_updates() -> None:
     global _updater
     _wake.set()
-    if _updater is None or not _updater.is_alive():
-        _ending.clear()
-        _updater = threading.Thread(target=_keep_updated, name="course_kit consoles", daemon=True)
-        _updater.start()
+    with _beginning:
+        if _updater is None or not _updater.is_alive():
+            _ending.clear()
+            _updater = threading.Thread(target=_keep_updated, name="course_kit consoles", daemon=True)
+            _updater.start()
 
 
 def _keep_updated() -> None:
