@@ -29,6 +29,7 @@ pytestmark = [
 KERNEL = "ROS 2 Jazzy (course)"
 CURRENT = "window.jupyterapp.shell.currentWidget"
 STRANGERS = "from a stranger.ipynb"
+THEIR_PYTHON = "3.9.0"
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +38,10 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
     root, home = tmp_path_factory.mktemp("notebooks of a student"), tmp_path_factory.mktemp("home")
     shutil.copytree(FOLDER, root, dirs_exist_ok=True, ignore=shutil.ignore_patterns("*_ws*", ".*"))
     output = new_output("display_data", data={"text/html": "<b>theirs</b>"})
-    spec = {"kernelspec": {"name": "python3", "display_name": KERNEL, "language": "python"}}
+    spec = {
+        "kernelspec": {"name": "python3", "display_name": KERNEL, "language": "python"},
+        "language_info": {"name": "python", "version": THEIR_PYTHON},
+    }
     nbformat.write(new_notebook(cells=[new_code_cell("1", outputs=[output])], metadata=spec), root / STRANGERS)
     with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as runtime:
         patch.setenv("JUPYTER_DATA_DIR", str(home / "data"))
@@ -72,6 +76,11 @@ def trusted(lab: Lab) -> set[bool]:
     return set(lab.page.evaluate(f"() => {cells}.map(cell => cell.model.trusted)"))
 
 
+def is_changed(lab: Lab) -> bool:
+    """True where the notebook in front has changes that are not saved."""
+    return bool(lab.page.evaluate(f"{CURRENT}.context.model.dirty"))
+
+
 def in_front(lab: Lab, selector: str) -> str:
     """The text of a part of what is in front."""
     return str(lab.page.evaluate(f"selector => {CURRENT}.node.querySelector(selector).textContent", selector))
@@ -93,7 +102,7 @@ def test_each_chapter_opens_from_its_link_trusted_and_unchanged(lab: Lab):
         titles.append(in_front(lab, "h1")[:4])
         assert in_front(lab, ".jp-KernelName") == KERNEL
         assert trusted(lab) == {True}, path.name
-        assert not lab.page.evaluate(f"{CURRENT}.context.model.dirty"), path.name
+        assert not is_changed(lab), path.name
         lab.close_notebook()
     assert titles == [f"{number} · " for number in range(1, len(PATHS) + 1)]
 
@@ -101,6 +110,17 @@ def test_each_chapter_opens_from_its_link_trusted_and_unchanged(lab: Lab):
 def test_what_a_stranger_put_in_is_not_trusted(lab: Lab):
     lab.open(STRANGERS)
     assert trusted(lab) == {False}
+    lab.close_notebook()
+
+
+def test_what_another_python_has_saved_is_unchanged_until_it_is_edited(lab: Lab):
+    lab.open(STRANGERS)
+    version = f"{CURRENT}.context.model.getMetadata('language_info').version"
+    lab.page.wait_for_function(f"theirs => {version} !== theirs", arg=THEIR_PYTHON, timeout=60_000)
+    assert not is_changed(lab)
+    lab.page.evaluate(f"{CURRENT}.content.widgets[0].model.sharedModel.setSource('2')")
+    assert is_changed(lab)
+    lab.page.evaluate(f"{CURRENT}.context.model.dirty = false")
     lab.close_notebook()
 
 

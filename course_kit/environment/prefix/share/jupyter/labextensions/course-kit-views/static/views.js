@@ -225,6 +225,13 @@
     registry.addFactory({...plain, createRenderer});
   };
 
+  // JupyterLab writes the kernel's version of Python into a notebook that it opens. That is no change to be saved.
+  const keepUnchanged = model => {
+    model.metadataChanged.connect((_, change) => {
+      if (change.key === "language_info" && !model.dirty) queueMicrotask(() => (model.dirty = false));
+    });
+  };
+
   const plugin = {
     id: "course-kit-views:plugin",
     autoStart: true,
@@ -234,6 +241,7 @@
       app.docRegistry.addWidgetExtension("Notebook", {
         createNew: panel => {
           const tab = new Tab(panel);
+          keepUnchanged(panel.context.model);
           describePictures(panel.content.rendermime);
           panel.content.rendermime.addFactory(
             {safe: true, mimeTypes: [VIEW], createRenderer: options => new Renderer(tab, options)},
