@@ -134,9 +134,9 @@ def require(text: str, ok: Any, hint: str) -> None:
 
 
 def call(method: str, *arguments: Any, timeout: float, may_raise: bool = False) -> tuple[Any, float]:
-    """Call a method of the answer's node as a cell would; what it returned and the seconds that it took.
+    """Call a method of the answer's node as a cell would; return its value and the seconds that it took.
 
-    A method that raises or does not return ends the check; where it may raise, it has returned None.
+    A method that raises or does not return ends the check. Where it may raise, the value is None in both cases.
     """
     began = time.monotonic()
     reply = current().order("call", timeout, method=method, arguments=list(arguments))

@@ -184,5 +184,7 @@ def _keep_updated() -> None:
 def _end() -> None:
     _ending.set()
     _wake.set()
-    if _updater is not None:
-        _updater.join(1.0)
+    with _beginning:
+        updater = _updater
+    if updater is not None:
+        updater.join(1.0)

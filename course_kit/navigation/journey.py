@@ -92,6 +92,7 @@ class Journey:
             return 0.0, 0.0
         self._arrived = self._arrived or math.dist(place[:2], self.goal[:2]) < CLOSE
         if self._arrived:
+            self._pursuit.pass_points(place)
             off = wrapped(self.goal[2] - place[2])
             if abs(off) < STRAIGHT:
                 self.end = End(True)

@@ -42,9 +42,14 @@ class Pursuit:
         self.limits = limits
         self._nearest = 0
 
+    def pass_points(self, place: Place) -> None:
+        """Leave the points behind that come before the nearest one."""
+        # It is looked for a little further on only: the same place may come again later.
+        window = self.path[self._nearest : self._nearest + 20]
+        self._nearest += int(np.argmin(np.hypot(*(window - np.array(place[:2])).T)))
+
     def remaining(self, place: Place) -> float:
         """Metres along the path from the robot to its end."""
-        self._pass_points(place)
         return math.dist(place[:2], self.left()[0]) + length(self.left())
 
     def left(self) -> Floats:
@@ -53,21 +58,15 @@ class Pursuit:
 
     def target(self, place: Place, ahead: float) -> tuple[float, float]:
         """The point of the path to drive at: the first that is `ahead` metres away or more, else the last."""
-        self._pass_points(place)
         away = np.hypot(*(self.left() - np.array(place[:2])).T)
         far = np.nonzero(away >= ahead)[0]
         x, y = self.left()[far[0] if len(far) else -1]
         return float(x), float(y)
 
-    def _pass_points(self, place: Place) -> None:
-        """Leave the points behind that come before the nearest one."""
-        # It is looked for a little further on only: the same place may come again later.
-        window = self.path[self._nearest : self._nearest + 20]
-        self._nearest += int(np.argmin(np.hypot(*(window - np.array(place[:2])).T)))
-
     def command(self, place: Place, room: float, beside: float) -> tuple[float, float]:
         """How to drive, m/s and rad/s; `room`: metres that are free ahead, `beside`: metres to the nearest wall."""
         limits = self.limits
+        self.pass_points(place)
         # Straight to a point far ahead it may cut a corner of the path: what stands there is passed by the next points.
         ahead = limits.ahead if room >= limits.stop else NEXT
         x, y, _ = between(place, (*self.target(place, ahead), 0.0))

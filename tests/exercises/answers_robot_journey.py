@@ -70,6 +70,7 @@ class DriveThere(Node):
         arrived, since, last = False, self.get_clock().now(), begin
         while not handle.is_cancel_requested:
             here = self.where()
+            pursuit.pass_points(here)
             left = pursuit.remaining(here)
             handle.publish_feedback(NavigateToPose.Feedback(distance_remaining=left))
             arrived = arrived or np.hypot(here[0] - there[0], here[1] - there[1]) < 0.05
