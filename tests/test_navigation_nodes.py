@@ -20,8 +20,10 @@ from nav_msgs.msg import OccupancyGrid, Path
 from nav_msgs.srv import GetPlan
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.task import Future
 from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty
 from tf2_ros import StaticTransformBroadcaster
@@ -34,6 +36,7 @@ from course_kit.navigation.messages import (
     heading,
     map_message,
     map_of,
+    path_message,
     place_of,
     points_of,
     pose_of,
@@ -286,6 +289,35 @@ def test_without_a_planner_it_says_so(station: Station, monkeypatch: pytest.Monk
     # On a machine that is busy for so long tf may be missing first.
     words = {TIMEOUT: "get_plan", TF_ERROR: "tf has told"}[ended.error_code]
     assert words in ended.error_msg
+
+
+class Loser(Node):
+    """A planner whose first answer is lost on the way; the others lead straight to the goal."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("planner", **options)
+        self.requests = 0
+        self.create_service(GetPlan, "get_plan", self.on_request, callback_group=ReentrantCallbackGroup())
+
+    async def on_request(self, request: GetPlan.Request, response: GetPlan.Response) -> GetPlan.Response:
+        self.requests += 1
+        if self.requests == 1:
+            await Future()
+        (x, y, _), goal = (place_of(one.pose) for one in (request.start, request.goal))
+        points = np.linspace((x, y), goal[:2], 20)
+        response.plan = path_message(points, goal[2], "map", request.start.header.stamp)
+        return response
+
+
+def test_a_planner_whose_answer_is_lost_is_asked_again(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("course_kit.navigation.navigator.LOST", 0.5)
+    robot = start_robot(replace(EMPTY, start=(1.0, 1.0, 0.0)))
+    run(Mapper, parameter_overrides=simulated(initial_pose=list(robot.world.start)))
+    planner = run(Loser, parameter_overrides=simulated())
+    run(Navigator, parameter_overrides=simulated())
+    status, ended = result(station.send((1.5, 1.0, 0.0)))
+    assert (status, ended.error_code) == (GoalStatus.STATUS_SUCCEEDED, 0), ended.error_msg
+    assert planner.requests >= 2
 
 
 # Parts

@@ -35,6 +35,7 @@ RETRY = 0.02  # seconds of real time
 PLACE_AGE, SCAN_AGE, STOP = Duration(seconds=0.2), Duration(seconds=0.6), Duration(seconds=0.5)
 REST_AGE = Duration(seconds=2.0)  # what counts while it stands
 ANSWER = 10.0  # seconds of real time for the planner's answer, and for tf and the laser to tell of the robot
+LOST = 3.0  # seconds of real time after which the planner is asked again: its answer may be lost on the way
 REFUSALS = 5  # in a row, once the robot is on its way: what stands before it may go away
 
 
@@ -53,6 +54,7 @@ class Navigator(Node):
         self.limits = Limits(*limits)
         self.journey: Journey | None = None
         self.answer: Future | None = None  # of the planner, while it is asked
+        self.asked = 0.0  # when it was, by time.monotonic()
         self.content = 0.0  # when all that is needed was there, by time.monotonic()
         self.refusals = 0
         self.cost_map: CostMap | None = None
@@ -174,9 +176,15 @@ class Navigator(Node):
     def ask(self, journey: Journey, place: Place) -> None:
         """Ask the planner for a path when one is wanted; it answers later."""
         if self.answer is None and self.planner.service_is_ready() and journey.wants_path(self.seconds()):
-            now = self.get_clock().now().to_msg()
-            start, goal = (stamped_pose(one, self.frames.map, now) for one in (place, journey.goal))
-            self.answer = self.planner.call_async(GetPlan.Request(start=start, goal=goal))
+            self.send(journey, place)
+
+    def send(self, journey: Journey, place: Place) -> None:
+        """Send the planner a request, in the place of one that it has not answered."""
+        if self.answer is not None:
+            self.planner.remove_pending_request(self.answer)
+        now = self.get_clock().now().to_msg()
+        start, goal = (stamped_pose(one, self.frames.map, now) for one in (place, journey.goal))
+        self.answer, self.asked = self.planner.call_async(GetPlan.Request(start=start, goal=goal)), time.monotonic()
 
     def take_answer(self, journey: Journey, place: Place) -> None:
         """Follow the path that has come, or see why there is none."""
@@ -185,6 +193,8 @@ class Navigator(Node):
                 self.content = time.monotonic()
             elif time.monotonic() - self.content > ANSWER:
                 journey.fail(TIMEOUT, f"no path came within {ANSWER:g} s: does a planner with a map offer get_plan?")
+            elif self.answer is not None and time.monotonic() - self.asked > LOST:
+                self.send(journey, place)
             return
         points, self.answer, self.content = points_of(self.answer.result().plan), None, time.monotonic()
         self.refusals = 0 if len(points) > 1 else self.refusals + 1
