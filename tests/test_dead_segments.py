@@ -178,6 +178,7 @@ def test_one_that_is_made_where_a_dead_one_was_a_moment_ago_is_left(segment: Pat
 
 def is_left(segment: Path, has_it: bool, seconds: float, limit: float, heal: Callable[[], object]) -> bool | None:
     """Heal, and see that a half-made file of this age stays. None if it got older than the limit meanwhile."""
+    segment.unlink(missing_ok=True)  # another process may be healing that of the try before, which nobody has
     with open(segment, "wb") as file:
         file.write(DEAD["zero"])
         file.flush()
