@@ -13,6 +13,7 @@ import pytest
 from tests.locks import lock
 
 OF_TESTS = range(2, 102)  # without port clashes
+OF_NO_TEST = 1
 
 _locks: dict[int, socket.socket] = {}  # of the domains that this process has
 _numbers = itertools.count(os.getpid())  # so that what was given back is taken last

@@ -11,6 +11,7 @@ import pytest
 
 from course_kit.causes import cause_of
 from course_kit.causes.frames import folded, steps
+from tests.domains import OF_NO_TEST
 from tests.first_errors import CASES, SET_UP, Case
 from tests.kernel import Kernel, kernel_after
 
@@ -112,9 +113,9 @@ def test_a_second_node_of_the_name_that_a_cell_has_made_is_said(kernel: Kernel) 
 
 
 def test_a_changed_domain_is_said_in_the_box(kernel: Kernel) -> None:
-    kernel.run("stop()\nimport os\nbefore = os.environ['ROS_DOMAIN_ID']")
-    cell = kernel.run("os.environ['ROS_DOMAIN_ID'] = '7'\nx = run(Node, 'x')")
-    until_shown(kernel, cell, "ROS_DOMAIN_ID is 7 by now, and the nodes of this notebook stay in domain")
+    kernel.run("run(Node, 'x')\nimport os\nbefore = os.environ['ROS_DOMAIN_ID']")
+    cell = kernel.run(f"os.environ['ROS_DOMAIN_ID'] = '{OF_NO_TEST}'\nx = run(Node, 'x')")
+    until_shown(kernel, cell, f"ROS_DOMAIN_ID is {OF_NO_TEST} by now, and the nodes of this notebook stay in domain")
     kernel.run("os.environ['ROS_DOMAIN_ID'] = before")
     kernel.until(lambda: kernel.shown(cell) == "▶ /x running", 15)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.domains import OF_NO_TEST
 from tests.kernel import Kernel
 
 pytestmark = pytest.mark.by_turns("many nodes and programs")
@@ -71,9 +72,10 @@ def test_an_answer_cell_that_has_not_run_since_the_kernel_started_is_asked_for(k
 
 
 def test_a_check_says_that_the_domain_was_changed_too_late(kernel: Kernel) -> None:
-    kernel.run(IMPORTS + COUNTER + "run(Countdown)\nimport os\nos.environ['ROS_DOMAIN_ID'] = '7'")
+    kernel.run(IMPORTS + COUNTER + f"run(Countdown)\nimport os\nos.environ['ROS_DOMAIN_ID'] = '{OF_NO_TEST}'")
     said = verdict(kernel, "topics-1")
-    assert said.count("check: ROS_DOMAIN_ID is 7 by now, and the nodes of this notebook stay in domain") == 1
+    told = f"check: ROS_DOMAIN_ID is {OF_NO_TEST} by now, and the nodes of this notebook stay in domain"
+    assert said.count(told) == 1
     assert "Its cell" not in said
 
 

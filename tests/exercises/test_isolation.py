@@ -12,6 +12,7 @@ import pytest
 
 from course_kit.checking import surroundings
 from course_kit.examining import own_types
+from tests.domains import OF_NO_TEST
 from tests.kernel import Kernel
 
 pytestmark = [pytest.mark.usefixtures("fresh_domain"), pytest.mark.timeout(120)]
@@ -59,7 +60,7 @@ def poisoned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[
         "AMENT_PREFIX_PATH": str(tmp_path / "poison"),
         "COLCON_PREFIX_PATH": str(tmp_path / "poison"),
         "PATH": f"{tmp_path / 'poison'}:{os.environ['PATH']}",
-        "ROS_DOMAIN_ID": "5",
+        "ROS_DOMAIN_ID": str(OF_NO_TEST),
     }
     kernel.run(f"os.environ.update({poison!r})")
     yield kernel, witness
@@ -81,11 +82,12 @@ def test_nothing_of_the_notebook_s_environment_is_loaded(poisoned: tuple[Kernel,
 
 def test_a_domain_that_no_node_uses_is_no_answer(poisoned: tuple[Kernel, Path]) -> None:
     kernel, _ = poisoned
-    assert "You gave 5" in kernel.text(kernel.run('check("setup-1", (5, "LOCALHOST"))', 60))
+    unused = kernel.text(kernel.run(f'check("setup-1", ({OF_NO_TEST}, "LOCALHOST"))', 60))
+    assert f"You gave {OF_NO_TEST}" in unused
     own = os.environ["ROS_DOMAIN_ID"]
     assert ": 1 of 1 point" in kernel.text(kernel.run(f'check("setup-1", ({own}, "LOCALHOST"))', 60))
-    kernel.run("import rclpy\nrclpy.init(domain_id=7)")  # now its nodes are there
-    assert ": 1 of 1 point" in kernel.text(kernel.run('check("setup-1", (7, "LOCALHOST"))', 60))
+    kernel.run(f"import rclpy\nrclpy.init(domain_id={OF_NO_TEST})")  # now its nodes are there
+    assert ": 1 of 1 point" in kernel.text(kernel.run(f'check("setup-1", ({OF_NO_TEST}, "LOCALHOST"))', 60))
 
 
 def test_a_read_that_blocks_is_ended(tmp_path: Path) -> None:
