@@ -292,16 +292,25 @@ def test_without_a_planner_it_says_so(station: Station, monkeypatch: pytest.Monk
 
 
 class Loser(Node):
-    """A planner whose first answer is lost on the way; the others lead straight to the goal."""
+    """A planner whose first answer comes when it is asked again, or is lost on the way; or the others are lost.
 
-    def __init__(self, **options: Any) -> None:
+    What is not lost leads straight to the goal.
+    """
+
+    def __init__(self, loses_the_first: bool, **options: Any) -> None:
         super().__init__("planner", **options)
-        self.requests = 0
+        self.loses_the_first = loses_the_first
+        self.requests, self.asked_again = 0, Future()
         self.create_service(GetPlan, "get_plan", self.on_request, callback_group=ReentrantCallbackGroup())
 
     async def on_request(self, request: GetPlan.Request, response: GetPlan.Response) -> GetPlan.Response:
         self.requests += 1
-        if self.requests == 1:
+        is_first = self.requests == 1
+        if self.requests == 2:
+            self.asked_again.set_result(None)
+        if is_first:
+            await self.asked_again
+        if is_first == self.loses_the_first:
             await Future()
         (x, y, _), goal = (place_of(one.pose) for one in (request.start, request.goal))
         points = np.linspace((x, y), goal[:2], 20)
@@ -309,11 +318,14 @@ class Loser(Node):
         return response
 
 
-def test_a_planner_whose_answer_is_lost_is_asked_again(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("loses_the_first", [True, False])
+def test_a_planner_is_asked_again_and_the_first_answer_counts(
+    station: Station, monkeypatch: pytest.MonkeyPatch, loses_the_first: bool
+) -> None:
     monkeypatch.setattr("course_kit.navigation.navigator.LOST", 0.5)
     robot = start_robot(replace(EMPTY, start=(1.0, 1.0, 0.0)))
     run(Mapper, parameter_overrides=simulated(initial_pose=list(robot.world.start)))
-    planner = run(Loser, parameter_overrides=simulated())
+    planner = run(Loser, loses_the_first=loses_the_first, parameter_overrides=simulated())
     run(Navigator, parameter_overrides=simulated())
     status, ended = result(station.send((1.5, 1.0, 0.0)))
     assert (status, ended.error_code) == (GoalStatus.STATUS_SUCCEEDED, 0), ended.error_msg

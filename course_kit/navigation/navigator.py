@@ -53,8 +53,8 @@ class Navigator(Node):
         *limits, self.margin = (self.declare_parameter(*one).value for one in defaults.items())
         self.limits = Limits(*limits)
         self.journey: Journey | None = None
-        self.answer: Future | None = None  # of the planner, while it is asked
-        self.asked = 0.0  # when it was, by time.monotonic()
+        self.answers: list[Future] = []  # of the planner, while it is asked; the first that comes counts
+        self.asked = 0.0  # when it was last, by time.monotonic()
         self.content = 0.0  # when all that is needed was there, by time.monotonic()
         self.refusals = 0
         self.cost_map: CostMap | None = None
@@ -127,7 +127,7 @@ class Navigator(Node):
             handle.abort()
             return NavigateToPose.Result(error_code=TF_ERROR, error_msg=str(error))
         journey = self.journey = Journey(goal, self.limits)
-        self.answer, self.refusals, self.content = None, 0, time.monotonic()
+        self.answers, self.refusals, self.content = [], 0, time.monotonic()
         began = self.get_clock().now()
         while journey.end is None and handle.is_active and not handle.is_cancel_requested:
             await self.ticked
@@ -175,28 +175,30 @@ class Navigator(Node):
 
     def ask(self, journey: Journey, place: Place) -> None:
         """Ask the planner for a path when one is wanted; it answers later."""
-        if self.answer is None and self.planner.service_is_ready() and journey.wants_path(self.seconds()):
+        if not self.answers and self.planner.service_is_ready() and journey.wants_path(self.seconds()):
             self.send(journey, place)
 
     def send(self, journey: Journey, place: Place) -> None:
-        """Send the planner a request, in the place of one that it has not answered."""
-        if self.answer is not None:
-            self.planner.remove_pending_request(self.answer)
+        """Send the planner a request; one that it has not answered yet stays, for it may be slow."""
         now = self.get_clock().now().to_msg()
         start, goal = (stamped_pose(one, self.frames.map, now) for one in (place, journey.goal))
-        self.answer, self.asked = self.planner.call_async(GetPlan.Request(start=start, goal=goal)), time.monotonic()
+        self.answers.append(self.planner.call_async(GetPlan.Request(start=start, goal=goal)))
+        self.asked = time.monotonic()
 
     def take_answer(self, journey: Journey, place: Place) -> None:
         """Follow the path that has come, or see why there is none."""
-        if self.answer is None or not self.answer.done():
-            if journey.paths and self.answer is None:
+        answer = next((one for one in self.answers if one.done()), None)
+        if answer is None:
+            if journey.paths and not self.answers:
                 self.content = time.monotonic()
             elif time.monotonic() - self.content > ANSWER:
                 journey.fail(TIMEOUT, f"no path came within {ANSWER:g} s: does a planner with a map offer get_plan?")
-            elif self.answer is not None and time.monotonic() - self.asked > LOST:
+            elif self.answers and time.monotonic() - self.asked > LOST:
                 self.send(journey, place)
             return
-        points, self.answer, self.content = points_of(self.answer.result().plan), None, time.monotonic()
+        for other in self.answers:
+            self.planner.remove_pending_request(other)
+        points, self.answers, self.content = points_of(answer.result().plan), [], time.monotonic()
         self.refusals = 0 if len(points) > 1 else self.refusals + 1
         if not self.refusals:
             journey.follow(points)
