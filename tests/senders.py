@@ -52,10 +52,10 @@ class Sender:
         assert self._process.stdout is not None
         return self._process.stdout.readline().strip()
 
-    def go(self) -> None:
-        """Let it publish; it waits for a subscription first."""
+    def go(self, subscriptions: int = 1) -> None:
+        """Let it publish; it waits for so many subscriptions first."""
         assert self._process.stdin is not None
-        self._process.stdin.write("go\n")
+        self._process.stdin.write(f"{subscriptions}\n")
         self._process.stdin.flush()
 
     def result(self) -> dict[str, Any]:
@@ -94,11 +94,11 @@ def _main(topic: str, kind: str, rate: float, count: int, depth: int, qos: str) 
         sys.stdin.readline()
         ended.set()
 
-    if sys.stdin.readline():
+    if subscriptions := sys.stdin.readline():
         threading.Thread(target=end_with_input, daemon=True).start()
     else:
         ended.set()
-    while not ended.is_set() and qos != "latched" and publisher.get_subscription_count() == 0:
+    while not ended.is_set() and qos != "latched" and publisher.get_subscription_count() < int(subscriptions):
         time.sleep(0.005)
     start, sent = time.perf_counter(), 0
     last = start

@@ -234,7 +234,7 @@ def test_a_full_recording_keeps_the_newest_messages_and_counts_the_others() -> N
         record("/fast", max_bytes=500_000) as recording,
         record("/fast", keep=10) as last,
     ):
-        sender.go()
+        sender.go(subscriptions=2)
         sender.result()
         wait_until(lambda: recording.dropped + len(recording) == last.dropped + len(last) == count)
     assert recording.nbytes <= 500_000 and 0 < recording.dropped < count
