@@ -263,10 +263,10 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     content = {"comm_id": tab, "target_name": "course_kit.views", "data": {"looks": False}}
     channel.send(session.msg("comm_open", content))
     kernel.until(lambda: kernel.value("__import__('course_kit.live.tabs').live.tabs.somebody_looks()") == "False")
-    kernel.until(lambda: kernel.value("time.monotonic() - view._shown_at > 0.5") == "True")
-    before = len(view.said("layers"))
+    kernel.until(lambda: kernel.value("time.monotonic() - view._shown_at > 1.0") == "True")  # so all is sent anew
+    before, began_at = len(view.said("layers")), numbers(kernel, "place()")[0]
     kernel.run("driver.linear = 0.1")
-    kernel.until(lambda: numbers(kernel, "place()")[0] > 1.1, 30.0)
+    kernel.until(lambda: numbers(kernel, "place()")[0] > began_at + 0.1, 30.0)
     assert len(view.said("layers")) == before
     grounds = len(view.layers("ground"))
     channel.send(session.msg("comm_msg", {"comm_id": tab, "data": {"looks": True}}))

@@ -132,7 +132,7 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     kernel.until(lambda: panel.said("field"))
     channel.send(session.msg("comm_open", content))
     kernel.until(lambda: kernel.value("__import__('course_kit.live.tabs').live.tabs.somebody_looks()") == "False")
-    kernel.until(lambda: kernel.value("time.monotonic() - panel._shown_at > 0.3") == "True")
+    kernel.until(lambda: kernel.value("time.monotonic() - panel._shown_at > 1.0") == "True")  # so all is sent anew
     before = len(panel.said("moves")), len(panel.said("field"))
     panel.tell(kind="key", key="up")
     kernel.until(lambda: float(kernel.value("turtlesim.world.turtles['turtle1'].forward")) == 2.0)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import threading
+import time
 from collections.abc import Iterator
+from itertools import pairwise
 
 import pytest
 import rclpy
@@ -22,7 +24,7 @@ from course_kit.examining.answer_host import AnswerHost, close, obey
 from course_kit.examining.examination import Ended, Examination
 from course_kit.examining.vocabulary import expect
 from course_kit.examining.vocabulary_services import expect_service
-from course_kit.examining.vocabulary_topics import expect_topic, listen
+from course_kit.examining.vocabulary_topics import expect_topic, listen, publish_steadily, publisher
 from course_kit.spinning import context as ros_context
 from course_kit.spinning.executors import SpinThread
 from tests.waiting import wait_until
@@ -243,3 +245,22 @@ def test_the_answer_has_threads_where_the_student_s_node_runs_with_them_now(stag
         executor.shutdown()
         node.destroy_node()
     assert (kind == "MultiThreadedExecutor") == runs
+
+
+def test_a_check_that_is_late_publishes_no_two_messages_at_once(
+    examination: Examination, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = publisher("/words", String)
+    moments: list[float] = []
+    real = words.publish
+
+    def publish(message: String) -> None:
+        real(message)
+        if not moments:
+            time.sleep(0.3)
+        moments.append(time.monotonic())
+
+    monkeypatch.setattr(words, "publish", publish)
+    publish_steadily(words, [String()] * 10, period=0.1)
+    assert min(after - before for before, after in pairwise(moments)) >= 0.05
+    assert moments[-1] - moments[0] < 0.9  # some of the time is made up for
