@@ -14,6 +14,7 @@ from tests import durations, landings
 from tests.durations import Durations, Measured
 from tests.landings import PARTS, THIRDS, part_of, third_of, turn
 from tests.selection import Candidate, Tier, choose
+from tests.test_fresh_machine import RELEASES
 
 TESTS = [
     *(Candidate(f"quick[{number}]", "quick", "test_quick") for number in range(3)),
@@ -21,15 +22,15 @@ TESTS = [
         Candidate(f"solved[{number}]", "solved", "test_answers", is_slow=number > 0, by_turns="group", kind="answer")
         for number in range(3)
     ),
-    *(Candidate(f"bare[{number}]", "bare", "test_fresh", is_slow=True) for number in range(2)),
+    *(Candidate(f"fresh[{number}]", "fresh", "test_fresh", is_slow=True) for number in range(2)),
 ]
 TURN = part_of("solved")
-OTHER = next(part for part in range(PARTS) if part not in map(part_of, ("solved", "bare")))
+OTHER = next(part for part in range(PARTS) if part not in map(part_of, ("solved", "fresh")))
 SECONDS = Durations(
     {
         "quick": {"fixtures": 1.0, "others": 2.0},
         "solved": {"fixtures": 10.0, "others": 5.0},
-        "bare": {"fixtures": 30.0, "others": 20.0},
+        "fresh": {"fixtures": 30.0, "others": 20.0},
     }
 )
 
@@ -46,12 +47,12 @@ def run(tier: Tier) -> tuple[dict[str, int], Sequence[str], Sequence[str]]:
         (Tier("", TURN), {"solved": 1, "quick": 3}, []),
         (Tier("", OTHER), {"quick": 3}, ["solved"]),
         (Tier(""), {"solved": 1, "quick": 3}, []),  # of a folder that somebody names
-        (Tier("full", TURN), {"solved": 3, "quick": 3}, ["bare"]),
-        (Tier("full", part_of("bare")), {"bare": 2, "quick": 3}, ["solved"]),
+        (Tier("full", TURN), {"solved": 3, "quick": 3}, ["fresh"]),
+        (Tier("full", part_of("fresh")), {"fresh": 2, "quick": 3}, ["solved"]),
     ],
 )
 def test_a_tier_has_its_tests_the_longest_group_first(tier: Tier, groups: dict[str, int], other_turns) -> None:
-    assert part_of("bare") != TURN
+    assert part_of("fresh") != TURN
     assert run(tier) == (groups, other_turns, [])
     assert list(run(tier)[0]) == list(groups)
 
@@ -75,12 +76,12 @@ def test_a_run_says_how_many_slow_tests_it_leaves() -> None:
 @pytest.mark.parametrize(
     ("distances", "limit", "groups", "beyond"),
     [
-        ({"bare": 0}, 200.0, {"quick": 3, "bare": 2}, []),
-        ({"test_fresh": 0}, 200.0, {"quick": 3, "bare": 2}, []),  # a group without imports of its own has its module's
-        ({"bare": None}, 200.0, {"quick": 3}, []),
-        ({"solved": 1, "bare": 0}, 200.0, {"quick": 3, "bare": 2, "solved": 3}, []),
-        ({"solved": 1, "bare": 0}, 80.0, {"quick": 3, "bare": 2}, ["solved"]),  # the nearest is taken first
-        ({"solved": 0, "bare": 0}, 80.0, {"quick": 3, "solved": 3}, ["bare"]),  # of those as near the shorter one
+        ({"fresh": 0}, 200.0, {"quick": 3, "fresh": 2}, []),
+        ({"test_fresh": 0}, 200.0, {"quick": 3, "fresh": 2}, []),  # a group without imports of its own has its module's
+        ({"fresh": None}, 200.0, {"quick": 3}, []),
+        ({"solved": 1, "fresh": 0}, 200.0, {"quick": 3, "fresh": 2, "solved": 3}, []),
+        ({"solved": 1, "fresh": 0}, 80.0, {"quick": 3, "fresh": 2}, ["solved"]),  # the nearest is taken first
+        ({"solved": 0, "fresh": 0}, 80.0, {"quick": 3, "solved": 3}, ["fresh"]),  # of those as near the shorter one
     ],
 )
 def test_groups_near_the_change_are_whole_as_long_as_they_fit(distances, limit, groups, beyond) -> None:
@@ -90,8 +91,8 @@ def test_groups_near_the_change_are_whole_as_long_as_they_fit(distances, limit, 
 
 
 def test_changed_has_the_nearest_group_however_long_it_takes() -> None:
-    assert run(Tier("changed", None, {"bare": 2, "solved": 3}, 20.0, 10.0)) == ({"bare": 2}, [], ["solved"])
-    assert run(Tier("changed", None, {"bare": 2, "solved": 3}, 200.0, 10.0))[2] == ["solved"]  # too long a group
+    assert run(Tier("changed", None, {"fresh": 2, "solved": 3}, 20.0, 10.0)) == ({"fresh": 2}, [], ["solved"])
+    assert run(Tier("changed", None, {"fresh": 2, "solved": 3}, 200.0, 10.0))[2] == ["solved"]  # too long a group
 
 
 def test_five_landings_have_all_parts_and_the_commits_draw_their_order() -> None:
@@ -152,11 +153,16 @@ def test_a_run_has_a_third_of_its_turn_and_of_each_kind_one() -> None:
 
 
 def test_the_parts_are_about_as_long_as_each_other() -> None:
-    """If this fails after many changes, another SALT is due, with its DEALT."""
+    """If one of these two fails after many changes, another SALT is due, with its DEALT."""
     seconds = Counter[int]()
     for group in (known := Durations.read()).seconds:
         seconds[part_of(group)] += int(known.of_whole(group))
     assert max(seconds.values()) < 1.5 * sum(seconds.values()) / PARTS
+
+
+def test_no_part_has_two_bare_systems() -> None:
+    bare = [part_of(f"bare {system}") for system in RELEASES]
+    assert len(set(bare)) == len(bare)
 
 
 def test_the_landings_are_commits_of_this_repository() -> None:
