@@ -166,7 +166,7 @@ def _why_not_ten(counted: list[int]) -> str:
     return f"{heard} It should be 10, 9, … 0, each once, whoever begins to listen meanwhile."
 
 
-@exercise("topics-2", "Why does nothing arrive?", points=2, level="medium", timeout=25, node_class="ScanCounter")
+@exercise("topics-2", "Why does nothing arrive?", points=2, level="medium", timeout=35, node_class="ScanCounter")
 def sensor_qos() -> None:
     """It hears a laser that publishes with the sensors' QoS, and counts its scans."""
     nobody_else("rt/scan")
