@@ -74,10 +74,14 @@ class Talker(Node):
 
 def main(args=None):
     rclpy.init(args=args)
+    node = Talker()
     try:
-        rclpy.spin(Talker())
+        rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         print('talker ends')
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
 """
 LISTENER = """import rclpy
 from rclpy.executors import ExternalShutdownException
@@ -97,10 +101,14 @@ class Listener(Node):
 
 def main(args=None):
     rclpy.init(args=args)
+    node = Listener()
     try:
-        rclpy.spin(Listener())
+        rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
 """
 # A node that offers and publishes types of demo_interfaces.
 SPOTTER = """import rclpy
@@ -125,10 +133,14 @@ class Spotter(Node):
 
 def main(args=None):
     rclpy.init(args=args)
+    node = Spotter()
     try:
-        rclpy.spin(Spotter())
+        rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
 """
 LAUNCH = """from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument

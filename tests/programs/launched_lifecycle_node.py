@@ -27,8 +27,11 @@ class Launched(LifecycleNode):
 def main() -> None:
     """Run it."""
     rclpy.init()
+    node = Launched("launched")
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        rclpy.spin(Launched("launched"))
+        rclpy.spin(node)
+    node.destroy_node()
+    rclpy.try_shutdown()
 
 
 if __name__ == "__main__":

@@ -30,6 +30,8 @@ def main() -> None:
     print(json.dumps(report), flush=True)
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
         rclpy.spin(node)
+    node.destroy_node()
+    rclpy.try_shutdown()
     print("ended well", flush=True)
 
 
