@@ -1,7 +1,7 @@
 /* A thread that keeps this process from hanging while a native call holds Python's lock.
 
    rclpy holds the lock in most calls into ROS, so no code of Python's can help a process that waits there:
-   no signal handler runs, and no other thread. This thread needs no lock. It does three things:
+   no signal handler runs, and no other thread. This thread needs no lock. It does four things:
 
    - It heals dead segments. Fast DDS makes a file in /dev/shm in four steps: it creates the file, sets its length,
      maps it, writes a state into its first word. A process that is killed in between leaves a file that never gets
@@ -10,6 +10,7 @@
    - It ends endless recoveries. A writer that meets a port whose reader was killed in the midst of a message forgets
      that message, but with the port's mutex locked twice: it waits 1 s for itself, and begins anew (Fast DDS issue
      6485). It goes on if nobody seems to read in the midst of a message any more.
+   - It gives back what the dead hold: the mutex of a port, for which each message would wait a second.
    - It ends the process when its time has come: so long after a signal, or when an exit timer is over. */
 
 #define _GNU_SOURCE
@@ -17,6 +18,8 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
+#include <linux/futex.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -28,6 +31,7 @@
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/uio.h>
 #include <time.h>
 #include <unistd.h>
@@ -96,6 +100,16 @@ static int uses(const char *process, const char *path) {
     return found;
 }
 
+/* The state of a thread, given by its folder in /proc, as a letter; ' ' if there is none. */
+static char state_of(const char *thread) {
+    char name[300], line[1024], state = ' ';
+    snprintf(name, sizeof name, "%s/stat", thread);
+    FILE *file = fopen(name, "re");
+    if (file && fgets(line, sizeof line, file) && strrchr(line, ')')) state = strrchr(line, ')')[2];
+    if (file) fclose(file);
+    return state;
+}
+
 /* Which processes of this user have the file: its maker may be among them. */
 enum users { NOBODY, SOMEBODY, A_STOPPED_ONE };
 
@@ -104,15 +118,12 @@ static enum users users_of(const char *path) {
     struct dirent *entry;
     enum users users = processes ? NOBODY : SOMEBODY;
     while (processes && users != A_STOPPED_ONE && (entry = readdir(processes))) {
-        char folder[280], name[300], line[1024], state = ' ';
+        char folder[280];
         if (!isdigit((unsigned char)entry->d_name[0])) continue;
         snprintf(folder, sizeof folder, "/proc/%s", entry->d_name);
         if (!uses(folder, path)) continue;
         users = SOMEBODY;
-        snprintf(name, sizeof name, "%s/stat", folder);
-        FILE *file = fopen(name, "re");
-        if (file && fgets(line, sizeof line, file) && strrchr(line, ')')) state = strrchr(line, ')')[2];
-        if (file) fclose(file);
+        char state = state_of(folder);
         if (state == 'T' || state == 't') users = A_STOPPED_ONE; /* as after Ctrl-Z */
     }
     if (processes) closedir(processes);
@@ -179,7 +190,7 @@ static int is_held_by_the_dead(const char *path) {
     return 1;
 }
 
-/* ---- Endless recoveries */
+/* ---- Ports that hold those who send */
 
 /* A port's memory: a file, or a mapping of this process where the file has been removed. */
 struct port {
@@ -187,6 +198,15 @@ struct port {
     size_t address;   /* of the mapping */
     unsigned number;  /* by its name */
     unsigned long id; /* inode of the file, or address of the mapping */
+};
+
+/* The mutex of a port, as glibc has it. */
+struct mutex {
+    _Atomic unsigned lock;
+    unsigned count;
+    _Atomic int holder; /* a thread's id */
+    _Atomic unsigned users;
+    int kind;
 };
 
 /* A port that is out of order, and the thread that holds its mutex. */
@@ -221,19 +241,58 @@ static void end_look(struct looks *looks) {
     looks->count = 0;
 }
 
-/* Has a recovery come to its end if one thread holds the mutex of a port out of order at two looks. */
-static void end_recovery(const struct port *port, struct looks *looks) {
-    struct {
-        unsigned lock, count;
-        int holder;
-        unsigned users;
-        int kind;
-    } mutex; /* as glibc has it */
+/* Whether no thread of this id lives. In another namespace of process ids it may have that id nevertheless. */
+static int is_gone(int thread, const char *path) {
+    char folder[280], name[300], line[1024];
+    snprintf(folder, sizeof folder, "/proc/%d", thread);
+    int lives = kill(thread, 0) ? errno != ESRCH : state_of(folder) != 'Z'; /* its parent may not have taken note yet */
+    DIR *processes = some_are_hidden || lives ? NULL : opendir("/proc");
+    struct dirent *entry;
+    int gone = processes != NULL;
+    while (processes && gone && (entry = readdir(processes))) {
+        if (!isdigit((unsigned char)entry->d_name[0])) continue;
+        snprintf(folder, sizeof folder, "/proc/%s", entry->d_name);
+        if (!uses(folder, path)) continue;
+        snprintf(name, sizeof name, "%s/status", folder);
+        FILE *file = fopen(name, "re");
+        while (file && fgets(line, sizeof line, file))
+            if (!strncmp(line, "NSpid:", 6) && strtok(line, "\t") && strtok(NULL, "\t") && strtok(NULL, "\t")) gone = 0;
+        if (file) fclose(file);
+    }
+    if (processes) closedir(processes);
+    return gone;
+}
+
+/* Gives a port's mutex back in the place of the dead thread that holds it. */
+static void give_back(const struct port *port, int holder) {
+    const size_t size = MUTEX + sizeof(struct mutex);
+    char *memory = port->file >= 0 ? mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, port->file, 0)
+                                   : mremap((void *)port->address, 0, size, MREMAP_MAYMOVE); /* the same memory again */
+    if (memory == MAP_FAILED) return;
+    struct mutex *mutex = (struct mutex *)(memory + MUTEX);
+    if (atomic_compare_exchange_strong(&mutex->holder, &holder, 0)) { /* else another process has done it */
+        atomic_fetch_sub(&mutex->users, 1);
+        atomic_store(&mutex->lock, 0);
+        syscall(SYS_futex, &mutex->lock, FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
+    }
+    munmap(memory, size);
+}
+
+/* Has those go on who wait for a port's mutex: it is given back if a dead thread holds it, and a recovery comes to its
+   end if one thread holds the mutex of a port out of order at two looks. */
+static void free_port(const struct port *port, const char *path, struct looks *looks) {
+    struct mutex mutex;
     unsigned number, flags;
     if (!read_port(port, NUMBER, &number, sizeof number) || number != port->number ||
-        !read_port(port, FLAGS, &flags, sizeof flags) || flags & IS_IN_ORDER ||
-        !read_port(port, MUTEX, &mutex, sizeof mutex) || mutex.kind != SHARED || mutex.lock == 0 || mutex.holder <= 0)
+        !read_port(port, FLAGS, &flags, sizeof flags) || !read_port(port, MUTEX, &mutex, sizeof mutex) ||
+        mutex.kind != SHARED || mutex.lock == 0 || mutex.holder <= 0)
         return;
+    if (is_gone(mutex.holder, path)) {
+        /* The dead may have left the port in the midst of a change: those who wait for it make it anew. */
+        write_port(port, FLAGS, flags & ~IS_IN_ORDER);
+        give_back(port, mutex.holder);
+    }
+    if (flags & IS_IN_ORDER) return;
     int is_known = 0;
     for (int index = 0; index < SUSPECTS; index++)
         is_known |= looks->before[index].port == port->id && looks->before[index].holder == mutex.holder;
@@ -246,10 +305,10 @@ static void end_recovery(const struct port *port, struct looks *looks) {
     }
 }
 
-/* Ends the recoveries on the ports of this user, whichever process is in them. */
-static void end_recoveries_on_files(void) {
+/* Frees the ports of this user, whichever process waits for them. */
+static void free_files(void) {
     static struct looks looks;
-    char rest[2];
+    char rest[2], path[sizeof FOLDER + 256];
     struct port port;
     DIR *folder = opendir(FOLDER);
     struct dirent *entry;
@@ -260,7 +319,8 @@ static void end_recoveries_on_files(void) {
         if (port.file < 0) continue;
         if (!fstat(port.file, &opened) && opened.st_uid == geteuid()) {
             port.id = opened.st_ino;
-            end_recovery(&port, &looks);
+            snprintf(path, sizeof path, FOLDER "/%s", entry->d_name);
+            free_port(&port, path, &looks);
         }
         close(port.file);
     }
@@ -268,8 +328,8 @@ static void end_recoveries_on_files(void) {
     end_look(&looks);
 }
 
-/* Ends the recoveries on ports that have been removed, and that this process still has. */
-static void end_recoveries_on_mappings(void) {
+/* Frees the ports that have been removed, and that this process still has. */
+static void free_mappings(void) {
     static struct looks looks;
     char line[1024];
     struct port port = {.file = -1};
@@ -279,7 +339,8 @@ static void end_recoveries_on_mappings(void) {
         if (name && strstr(name, " (deleted)") && sscanf(line, "%zx", &port.address) == 1 &&
             sscanf(name, FOLDER "/" PORT_PREFIX "%u", &port.number) == 1) {
             port.id = port.address;
-            end_recovery(&port, &looks);
+            line[strcspn(line, "\n")] = 0;
+            free_port(&port, name, &looks);
         }
     }
     if (maps) fclose(maps);
@@ -373,11 +434,11 @@ static void *run(void *nothing) {
         }
         if (time >= next_look) {
             watchdog_heal();
-            end_recoveries_on_files();
+            free_files();
             next_look = time + PERIOD_MS / 1e3;
         }
         if (time >= next_mappings) {
-            end_recoveries_on_mappings();
+            free_mappings();
             next_mappings = time + MAPPINGS_MS / 1e3;
         }
         poll(&heard, 1, wait);

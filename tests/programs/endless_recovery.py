@@ -79,6 +79,10 @@ class Port:
     def is_awaited(self) -> bool:
         return self._memory[MUTEX] == AWAITED
 
+    @property
+    def is_in_order(self) -> bool:
+        return bool(self._memory[FLAGS] & IS_IN_ORDER)
+
     def unlock_out_of_order(self) -> None:
         """Leave it as that of a reader that died in the midst of a message."""
         self._memory[LISTENER] |= IS_PROCESSING
