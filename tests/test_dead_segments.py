@@ -88,6 +88,8 @@ def test_a_writer_whose_reader_died_in_the_midst_of_a_message_goes_on(guard: str
 
 
 @as_root
+@pytest.mark.cpu_bound
+@pytest.mark.xdist_group("storm")
 def test_a_storm_of_killed_processes_makes_nobody_hang_and_nobody_deaf() -> None:
     """How long a new node takes on a quiet machine is measured by the benchmark."""
     ended = outcome("tests.programs.storm", "200")
