@@ -74,13 +74,15 @@ class Talker(Node):
 
 def main(args=None):
     rclpy.init(args=args)
-    node = Talker()
+    node = None
     try:
+        node = Talker()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         print('talker ends')
     finally:
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
 """
 LISTENER = """import rclpy
@@ -101,13 +103,15 @@ class Listener(Node):
 
 def main(args=None):
     rclpy.init(args=args)
-    node = Listener()
+    node = None
     try:
+        node = Listener()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
 """
 # A node that offers and publishes types of demo_interfaces.
@@ -133,13 +137,15 @@ class Spotter(Node):
 
 def main(args=None):
     rclpy.init(args=args)
-    node = Spotter()
+    node = None
     try:
+        node = Spotter()
         rclpy.spin(node)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     finally:
-        node.destroy_node()
+        if node is not None:
+            node.destroy_node()
         rclpy.try_shutdown()
 """
 LAUNCH = """from launch import LaunchDescription

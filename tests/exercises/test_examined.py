@@ -262,5 +262,5 @@ def test_a_check_that_is_late_publishes_no_two_messages_at_once(
 
     monkeypatch.setattr(words, "publish", publish)
     publish_steadily(words, [String()] * 10, period=0.1)
-    assert min(after - before for before, after in pairwise(moments)) >= 0.05
-    assert moments[-1] - moments[0] < 0.9  # some of the time is made up for
+    shortest = min(after - before for before, after in pairwise(moments))
+    assert 0.05 <= shortest < 0.095  # some of the time is made up for, but not all at once
