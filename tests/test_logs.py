@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
 
 from course_kit.background import running
@@ -90,6 +91,15 @@ def test_the_level_of_a_node_in_this_process_too(robot: object) -> None:
     node.get_logger().warn("but this")
     wait_until(lambda: rosout.logs("/mine"))
     assert [line.text for line in rosout.logs("/mine")] == ["but this"]
+
+
+def test_a_level_ends_with_the_node_that_it_was_set_for(robot: object) -> None:
+    set_log_level(running.run(Node, "mine"), "ERROR")
+    assert log_level(running.run(Node, "mine")) == "INFO"  # in the place of the other
+    set_log_level("mine", "DEBUG")
+    running.stop("mine")
+    set_logger_level("mine", LoggingSeverity.WARN)  # of no node yet: as --log-level does for a program
+    assert log_level(running.run(Node, "mine")) == "WARN"
 
 
 def test_what_cannot_be_changed_is_said_in_one_line(robot: object) -> None:

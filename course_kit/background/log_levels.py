@@ -42,7 +42,7 @@ def log_level(node: Node | str, timeout: float = 5.0) -> str:
 
 @takes(level=TEXT, timeout=WAIT)
 def set_log_level(node: Node | str, level: str, timeout: float = 5.0) -> None:
-    """Let a node log this level and those above from now on: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'.
+    """Let a node log this level and those above until it ends: 'DEBUG', 'INFO', 'WARN', 'ERROR' or 'FATAL'.
 
     Stands for the logger services that `ros2 service call` reaches too. Raises as log_level().
     """

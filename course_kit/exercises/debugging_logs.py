@@ -73,7 +73,7 @@ def not_so_loud() -> None:
     elif early:
         hint = (
             f"Before its level was set, it logged {len(early)} lines as DEBUG{_such_as(early)}: set no level in the "
-            f'class. One that was set stays, also for the next node: `set_log_level("/quiet", "INFO")`.'
+            f'class. One that was set before stays until the node ends: `set_log_level("/quiet", "INFO")`.'
         )
     else:
         hint = (

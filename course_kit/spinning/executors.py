@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.executors import Executor, ExternalShutdownException, ShutdownException, SingleThreadedExecutor
+from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.task import Future
 
@@ -72,11 +73,16 @@ class SpinThread:
         return self
 
     def close(self, timeout: float = 1.0) -> None:
-        """stop(), then destroy the node: one that is destroyed while it is waited on raises InvalidHandle."""
+        """stop(), then destroy the node: one that is destroyed while it is waited on raises InvalidHandle.
+
+        A log level that was set for the node ends with it.
+        """
         self.stop(timeout)
         with contextlib.suppress(Exception):  # a student may have destroyed it, or the whole context
             self.executor.remove_node(self.node)
         destroy(self.node)
+        with contextlib.suppress(Exception):  # the process keeps levels by name; a program started anew has none
+            self.node.get_logger().set_level(LoggingSeverity.UNSET)
         with contextlib.suppress(Exception):
             self.executor.shutdown(timeout_sec=0.5)
 
