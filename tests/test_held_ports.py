@@ -19,11 +19,10 @@ import pytest
 
 from course_kit.ending.shared_memory import FOLDER
 from tests.programs.dead_segments import PORT_SIZE
-from tests.programs.endless_recovery import FLAGS, IS_IN_ORDER, LIBRARY, MUTEX, Port
+from tests.programs.endless_recovery import FLAGS, IS_IN_ORDER, LIBRARY, MUTEX, NUMBER, Port
 from tests.waiting import wait_until
 
 READY = b"\2"  # the state of a segment, in its first byte
-NUMBER = 0x114  # where a port has its number
 ATTRIBUTES, SHARED = 64, 1  # the size of a mutex's attributes, in bytes, and PTHREAD_PROCESS_SHARED
 LOOKS = 1.2  # seconds in which the watchdog looks four times at files, and once at removed ones
 GIVEN_BACK = 20.0  # seconds; a quiet machine needs a quarter of one, and one for a removed port
@@ -32,7 +31,7 @@ WAITS = """
 import sys
 from pathlib import Path
 from course_kit.ending import watchdog
-from tests.programs.endless_recovery import FLAGS, IS_IN_ORDER, Port
+from tests.programs.endless_recovery import Port
 port = Port(Path(sys.argv[1]))
 print("begins", flush=True)
 sys.stdin.readline()

@@ -47,6 +47,7 @@ enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 i
 #define MAPPINGS_MS 1000           /* between two looks at the mappings of this process, which take the kernel longer */
 #define NEW_S 1.0                  /* a younger file may still be made, which takes microseconds, by one who has it */
 #define UNUSED_S 0.1               /* the same where nobody has it */
+#define PROCESS_FOLDER 280         /* bytes for the path of a process in /proc */
 #define SMALLEST 4096              /* a file without a length gets this one, so that it can be mapped */
 
 /* A port as Fast DDS 2.14 makes it: where its parts are, in bytes, and the bits in them. */
@@ -110,21 +111,27 @@ static char state_of(const char *thread) {
     return state;
 }
 
+/* Goes on in /proc to the next process that has the file, and writes its folder; 0 if there is none any more. */
+static int next_user(DIR *processes, const char *path, char folder[PROCESS_FOLDER]) {
+    struct dirent *entry;
+    while ((entry = readdir(processes))) {
+        if (!isdigit((unsigned char)entry->d_name[0])) continue;
+        snprintf(folder, PROCESS_FOLDER, "/proc/%s", entry->d_name);
+        if (uses(folder, path)) return 1;
+    }
+    return 0;
+}
+
 /* Which processes of this user have the file: its maker may be among them. */
 enum users { NOBODY, SOMEBODY, A_STOPPED_ONE };
 
 static enum users users_of(const char *path) {
     DIR *processes = opendir("/proc");
-    struct dirent *entry;
+    char folder[PROCESS_FOLDER];
     enum users users = processes ? NOBODY : SOMEBODY;
-    while (processes && users != A_STOPPED_ONE && (entry = readdir(processes))) {
-        char folder[280];
-        if (!isdigit((unsigned char)entry->d_name[0])) continue;
-        snprintf(folder, sizeof folder, "/proc/%s", entry->d_name);
-        if (!uses(folder, path)) continue;
-        users = SOMEBODY;
+    while (processes && users != A_STOPPED_ONE && next_user(processes, path, folder)) {
         char state = state_of(folder);
-        if (state == 'T' || state == 't') users = A_STOPPED_ONE; /* as after Ctrl-Z */
+        users = state == 'T' || state == 't' ? A_STOPPED_ONE : SOMEBODY; /* as after Ctrl-Z */
     }
     if (processes) closedir(processes);
     return users;
@@ -243,16 +250,12 @@ static void end_look(struct looks *looks) {
 
 /* Whether no thread of this id lives. In another namespace of process ids it may have that id nevertheless. */
 static int is_gone(int thread, const char *path) {
-    char folder[280], name[300], line[1024];
+    char folder[PROCESS_FOLDER], name[300], line[1024];
     snprintf(folder, sizeof folder, "/proc/%d", thread);
     int lives = kill(thread, 0) ? errno != ESRCH : state_of(folder) != 'Z'; /* its parent may not have taken note yet */
     DIR *processes = some_are_hidden || lives ? NULL : opendir("/proc");
-    struct dirent *entry;
     int gone = processes != NULL;
-    while (processes && gone && (entry = readdir(processes))) {
-        if (!isdigit((unsigned char)entry->d_name[0])) continue;
-        snprintf(folder, sizeof folder, "/proc/%s", entry->d_name);
-        if (!uses(folder, path)) continue;
+    while (processes && gone && next_user(processes, path, folder)) {
         snprintf(name, sizeof name, "%s/status", folder);
         FILE *file = fopen(name, "re");
         while (file && fgets(line, sizeof line, file))
@@ -270,7 +273,9 @@ static void give_back(const struct port *port, int holder) {
                                    : mremap((void *)port->address, 0, size, MREMAP_MAYMOVE); /* the same memory again */
     if (memory == MAP_FAILED) return;
     struct mutex *mutex = (struct mutex *)(memory + MUTEX);
-    if (atomic_compare_exchange_strong(&mutex->holder, &holder, 0)) { /* else another process has done it */
+    const unsigned *number = (const unsigned *)(memory + NUMBER); /* another: the mapping is of something else now */
+    /* Another holder: another process has given it back. */
+    if (*number == port->number && atomic_compare_exchange_strong(&mutex->holder, &holder, 0)) {
         atomic_fetch_sub(&mutex->users, 1);
         atomic_store(&mutex->lock, 0);
         syscall(SYS_futex, &mutex->lock, FUTEX_WAKE, INT_MAX, NULL, NULL, 0);
@@ -306,7 +311,7 @@ static void free_port(const struct port *port, const char *path, struct looks *l
 }
 
 /* Frees the ports of this user, whichever process waits for them. */
-static void free_files(void) {
+static void free_ports(void) {
     static struct looks looks;
     char rest[2], path[sizeof FOLDER + 256];
     struct port port;
@@ -329,7 +334,7 @@ static void free_files(void) {
 }
 
 /* Frees the ports that have been removed, and that this process still has. */
-static void free_mappings(void) {
+static void free_removed_ports(void) {
     static struct looks looks;
     char line[1024];
     struct port port = {.file = -1};
@@ -434,11 +439,11 @@ static void *run(void *nothing) {
         }
         if (time >= next_look) {
             watchdog_heal();
-            free_files();
+            free_ports();
             next_look = time + PERIOD_MS / 1e3;
         }
         if (time >= next_mappings) {
-            free_mappings();
+            free_removed_ports();
             next_mappings = time + MAPPINGS_MS / 1e3;
         }
         poll(&heard, 1, wait);

@@ -29,7 +29,7 @@ from course_kit.ending.shared_memory import FOLDER
 from tests.domains import reserve_domain
 from tests.waiting import wait_until
 
-FLAGS, MUTEX, LISTENER = 0x12C, 0x5170, 0x5198  # places in a port of Fast DDS 2.14
+NUMBER, FLAGS, MUTEX, LISTENER = 0x114, 0x12C, 0x5170, 0x5198  # places in a port of Fast DDS 2.14
 IS_IN_ORDER, IS_PROCESSING = 1, 4  # bits there
 AWAITED = 2  # a mutex that somebody waits for
 LONGEST = 30.0  # seconds
