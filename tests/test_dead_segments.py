@@ -224,6 +224,22 @@ def test_ready_ones_and_what_is_no_segment_are_left(segment: Path) -> None:
             other.unlink()
 
 
+def test_one_that_has_the_number_of_a_ready_one_goes(segment: Path) -> None:
+    """Ready ones are remembered by their numbers, for a while."""
+
+    def is_healed() -> bool:
+        watchdog.heal()
+        return not segment.exists()
+
+    segment.write_bytes(READY)
+    age(segment, OLD)
+    watchdog.heal()
+    with open(segment, "r+b") as same_file:
+        same_file.write(DEAD["initializing"])
+    age(segment, OLD)
+    wait_until(is_healed)
+
+
 @as_root
 def test_one_of_another_user_is_left(segment: Path) -> None:
     segment.write_bytes(DEAD["zero"])

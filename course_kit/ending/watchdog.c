@@ -47,6 +47,8 @@ enum { READY = 2, CORRUPTED = 3 }; /* of boost's states; 0 is uninitialized, 1 i
 #define MAPPINGS_MS 1000           /* between two looks at the mappings of this process, which take the kernel longer */
 #define NEW_S 1.0                  /* a younger file may still be made, which takes microseconds, by one who has it */
 #define UNUSED_S 0.1               /* the same where nobody has it */
+#define REMEMBERED 16384           /* segments that were ready at an earlier look */
+#define MEMORY_S 2.0               /* where numbers of files are used again, one may be of another file after that */
 #define PROCESS_FOLDER 280         /* bytes for the path of a process in /proc */
 #define SMALLEST 4096              /* a file without a length gets this one, so that it can be mapped */
 
@@ -137,19 +139,35 @@ static enum users users_of(const char *path) {
     return users;
 }
 
+/* Segments that were ready, by inode: they stay so, and a thousand of dead processes would take 3 % of a core. */
+static _Atomic ino_t ready[REMEMBERED];
+
+static void remember_ready(ino_t file) { atomic_store(&ready[file % REMEMBERED], file); }
+
+static int is_known_ready(ino_t file) { return atomic_load(&ready[file % REMEMBERED]) == file; }
+
+static void forget_ready(void) {
+    static _Atomic double next;
+    double time = now(CLOCK_MONOTONIC);
+    if (time < atomic_load(&next)) return;
+    for (int index = 0; index < REMEMBERED; index++) atomic_store(&ready[index], 0);
+    atomic_store(&next, time + MEMORY_S);
+}
+
 /* The inode of the file if it is a segment of this user that is not ready, and that nobody can be making any more;
    else 0. */
 static ino_t dead_one(const char *path) {
     struct stat found;
-    unsigned state = READY;
+    unsigned state;
     if (lstat(path, &found) || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return 0;
     double age = now(CLOCK_REALTIME) - (found.st_mtim.tv_sec + found.st_mtim.tv_nsec / 1e9);
     if (age < (some_are_hidden ? NEW_S : UNUSED_S)) return 0;
     if (found.st_size != 0) {
         int file = open(path, O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK);
-        if (file < 0 || read(file, &state, sizeof state) != sizeof state) state = READY;
+        int is_read = file >= 0 && read(file, &state, sizeof state) == sizeof state;
         if (file >= 0) close(file);
-        if (state >= READY) return 0;
+        if (is_read && state >= READY) remember_ready(found.st_ino);
+        if (!is_read || state >= READY) return 0;
     }
     enum users users = users_of(path);
     return users == NOBODY || (users == SOMEBODY && age >= NEW_S) ? found.st_ino : 0;
@@ -361,7 +379,9 @@ int watchdog_heal(void) {
     DIR *folder = opendir(FOLDER);
     struct dirent *entry;
     int healed = 0;
+    forget_ready();
     while (folder && (entry = readdir(folder))) {
+        if (is_known_ready(entry->d_ino)) continue;
         if (!strncmp(entry->d_name, PREFIX, strlen(PREFIX)) && !ends_with(entry->d_name, LOCK_SUFFIX))
             healed += heal(entry->d_name);
         if (!some_are_hidden && !strncmp(entry->d_name, SEMAPHORE_PREFIX, strlen(SEMAPHORE_PREFIX))) {
