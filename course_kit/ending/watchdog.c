@@ -291,8 +291,9 @@ static void give_back(const struct port *port, int holder) {
                                    : mremap((void *)port->address, 0, size, MREMAP_MAYMOVE); /* the same memory again */
     if (memory == MAP_FAILED) return;
     struct mutex *mutex = (struct mutex *)(memory + MUTEX);
-    const unsigned *number = (const unsigned *)(memory + NUMBER); /* another: the mapping is of something else now */
-    /* Another holder: another process has given it back. */
+    const unsigned *number = (const unsigned *)(memory + NUMBER);
+    /* With another number it is something else that has been mapped there meanwhile. With another holder the mutex has
+       been given back, by another process. */
     if (*number == port->number && atomic_compare_exchange_strong(&mutex->holder, &holder, 0)) {
         atomic_fetch_sub(&mutex->users, 1);
         atomic_store(&mutex->lock, 0);
