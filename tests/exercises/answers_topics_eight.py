@@ -65,29 +65,35 @@ class FigureEight(Node):
     def __init__(self):
         super().__init__("figure_eight")
         self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
-        self.create_timer(0.05, self.tick)
-        self.ticks = 0
+        self.create_subscription(Pose, "turtle1/pose", self.on_pose, 1000)
+        self.poses, self.has_ended = 0, False
 
-    def tick(self):
-        if self.publisher.get_subscription_count() == 0 or self.ticks > len(self.plan):
+    def on_pose(self, pose):
+        if self.publisher.get_subscription_count() == 0 or self.has_ended:
             return
+        step = int(self.poses * 0.016 / 0.05)
+        self.poses += 1
+        self.has_ended = step >= len(self.plan)
         twist = Twist()
-        if self.ticks < len(self.plan):
-            twist.linear.x, twist.angular.z = self.plan[self.ticks]
+        if not self.has_ended:
+            twist.linear.x, twist.angular.z = self.plan[step]
         self.publisher.publish(twist)
-        self.ticks += 1
 
     plan = """
 
 
 def driving(*parts: str) -> str:
-    """A class that drives what is listed, open loop: speeds ahead and around, each for 0.05 s."""
+    """A class that drives what is listed: speeds ahead and around, each for 0.05 s of the simulator's.
+
+    It counts the simulator's ticks, so the figure is the same if one of the two stands still for a moment.
+    """
     return f"{DRIVER}{' + '.join(parts)}\n"
 
 
-# Slowly: a busy machine may let the turtle go on for a fifth of a second, and a figure is closed within 0.3 m.
+# Slowly: the turtle goes on with the last command where the next one is late, and a figure is closed within 0.3 m.
 LEFT, RIGHT = "[(1.25, math.tau / 6)] * 120", "[(1.25, -math.tau / 6)] * 120"
 HALF_LEFT = "[(1.25, math.tau / 6)] * 60"
+ENDS_SO = "        self.publisher.publish", "        if not self.has_ended:\n            self.publisher.publish"
 HALF_A_TURN = "[(0.0, math.pi)] * 20"
 TO_THE_LEFT = "([(1.0, 0.0)] * 20 + [(0.0, math.pi / 4)] * 40) * 4"  # squares
 TO_THE_RIGHT = "([(1.0, 0.0)] * 20 + [(0.0, -math.pi / 4)] * 40) * 4"
@@ -129,9 +135,7 @@ WRONG = [
         "before it turned the other way",
     ),
     # It does not stop the turtle, which a second without a command does: both at once would move it nowhere.
-    Wrong(
-        "one_command", changed(driving("[(2.5, math.tau / 3)]"), ("self.ticks >", "self.ticks >=")), 0, "a circle takes"
-    ),
+    Wrong("one_command", changed(driving("[(2.5, math.tau / 3)]"), ENDS_SO), 0, "a circle takes"),
 ]
 
 STYLES = {
