@@ -93,10 +93,10 @@ def driving(*parts: str) -> str:
 # Slowly: the turtle goes on with the last command where the next one is late, and a figure is closed within 0.3 m.
 LEFT, RIGHT = "[(1.25, math.tau / 6)] * 120", "[(1.25, -math.tau / 6)] * 120"
 HALF_LEFT = "[(1.25, math.tau / 6)] * 60"
-ENDS_SO = "        self.publisher.publish", "        if not self.has_ended:\n            self.publisher.publish"
 HALF_A_TURN = "[(0.0, math.pi)] * 20"
 TO_THE_LEFT = "([(1.0, 0.0)] * 20 + [(0.0, math.pi / 4)] * 40) * 4"  # squares
 TO_THE_RIGHT = "([(1.0, 0.0)] * 20 + [(0.0, -math.pi / 4)] * 40) * 4"
+ENDS_SO = "        self.publisher.publish", "        if not self.has_ended:\n            self.publisher.publish"
 
 WRONG = [
     Wrong(
@@ -127,7 +127,7 @@ WRONG = [
     Wrong("tiny", driving("[(0.2, math.tau / 3)] * 60", "[(0.2, -math.tau / 3)] * 60"), 4, "Their lengths are 0.6 m"),
     Wrong("overlap", driving(LEFT, "[(0.0, 1.2)] * 20", RIGHT), 4, "It lies over the first"),
     Wrong("three_circles", driving(LEFT, RIGHT, f"({LEFT})[16:]"), 1, "more than one circle"),
-    # Slowly: a busy machine may let the turtle go on for a quarter of a second.
+    # As slowly as the circles above: it turns further where the command that ends an arc is late.
     Wrong(
         "300_degrees",
         driving("[(1.25, math.tau / 6)] * 100", "[(1.25, -math.tau / 6)] * 100"),
