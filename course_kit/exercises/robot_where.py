@@ -165,14 +165,19 @@ def _expect_frames(parts: tuple[Told, ...]) -> None:
 
 
 def _stamps(parts: tuple[Told, ...]) -> tuple[str, bool]:
-    """A stamp that is before all poses of its part or too far ahead, in words; and whether there is none."""
+    """A stamp that is before all poses with odom at its place or too far ahead, in words; and whether there is none.
+
+    Two parts have odom at one place: a transform that is sent at the end of the first one may come in the second.
+    """
+    first: dict[Place, float] = {}  # by odom's place, when the first pose was
     for part in parts:
+        known = first.setdefault(part.odom, part.stamps[0])
         for one in part.transforms[1:]:
-            late = _seconds(one.header.stamp) - part.stamps[0]
-            if late < -1e-6 and _is_near(place_of(one.transform), part.odom):
-                return ("0" if _seconds(one.header.stamp) == 0 else f"{-late:.1f} s before its pose"), False
-            if late > part.end - part.stamps[0] + AHEAD:
-                return f"{late:.1f} s after its pose", False
+            stamp = _seconds(one.header.stamp)
+            if stamp < known - 1e-6 and _is_near(place_of(one.transform), part.odom):
+                return ("0" if stamp == 0 else f"{known - stamp:.1f} s before its pose"), False
+            if stamp > part.end + AHEAD:
+                return f"{stamp - part.stamps[0]:.1f} s after its pose", False
     return "", True
 
 
