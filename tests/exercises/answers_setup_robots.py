@@ -199,6 +199,7 @@ ANSWERS = Answers(
     {
         "difference": DIFFERENCE,
         "difference_again": DIFFERENCE,
+        "drives_on": changed(DIFFERENCE, ("x < 5.2", "x < 5.5")),  # the check comes when it has driven 5 cm
         "listed": LISTED,
         "other_order": OTHER_ORDER,
         "rolls_on": ROLLS_ON,
