@@ -10,7 +10,7 @@ usage="Usage: ./environment-check.sh [--json]            check this machine and 
 lab installs what a student needs. lab --with-grading installs what \`course grade\` needs, too; otherwise that is
 installed when it is first run. test installs all. What one has installed, none takes away.
 The other arguments after lab go to JupyterLab, those after test to pytest: none for every kind of proof on few cases
-(8 minutes), --full for more of them (20), --all for everything (an hour), --changed for what a change can break (two).
+(8 minutes), --full for more of them (20), --all for everything (100), --changed for what a change can break (two).
 PYTHON=/path/to/python3.12 chooses the Python that the set-up uses."
 
 # The installer: one version, and the hashes of its wheels for x86_64 and aarch64.

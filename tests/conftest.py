@@ -21,6 +21,7 @@ from tests.landings import DEALT, PARTS, commit, landed, third, turn
 from tests.report import Report
 from tests.scheduling import GroupScheduling
 from tests.selection import TIERS, Candidate, Choice, Tier, choose, is_cpu_bound
+from tests.standing import standing
 
 IS_WORKER = "PYTEST_XDIST_WORKER" in os.environ
 TIER = "COURSE_KIT_TEST_TIER"  # for the workers, as JSON
@@ -110,6 +111,15 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
         faulthandler.cancel_dump_traceback_later()
         if admission and (nextitem is None or group(nextitem) != group(item)):
             admission.end()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) -> Iterator[None]:
+    """Add to the report of a failure how this process stands in the graph."""
+    report: Any = yield
+    if report.failed and (text := standing()):
+        report.sections.append(("This process in the graph", text))
+    return report
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -42,6 +42,10 @@ class Report:
         say(f"\n{time.strftime('%H:%M:%S')} {report.when} of {report.nodeid} failed:")
         for line in report.longreprtext.splitlines()[-LAST:]:
             say(f"    {line}")
+        for title, text in report.sections:
+            say(f"    {title}:")
+            for line in text.splitlines()[-LAST:]:
+                say(f"        {line}")
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_testnodedown(self, node: Any, error: object) -> None:
