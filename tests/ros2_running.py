@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO
 
 from course_kit.polling import wait_until
-from tests.ros2_command import COMMAND, LATE, TIMEOUT, Outcome
+from tests.ros2_command import COMMAND, LATE, TIMEOUT, Outcome, end
 
 
 class Running:
@@ -101,11 +101,4 @@ class Running:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End it in good order: when the lease of a killed node ends, others may stand still (CONTRIBUTING.md)."""
-        if self.process.poll() is None:
-            self.interrupt()
-            try:
-                self.process.wait(10)
-            except subprocess.TimeoutExpired:
-                self.process.kill()
-                self.process.wait()
+        end(self.process)

@@ -6,7 +6,6 @@ As tf2_ros it imports course_kit.tf.broadcasters, course_kit.tf.buffer and cours
 from __future__ import annotations
 
 import gc
-import signal
 import subprocess
 import sys
 import time as clocks
@@ -36,6 +35,7 @@ from tf2_ros import (
 
 from course_kit.internals.rclpy_parts import fast_executor
 from course_kit.spinning import context
+from tests.ros2_command import end
 from tests.transforms import at, place
 from tests.waiting import wait_until
 
@@ -127,11 +127,7 @@ def robot(fresh_domain: None) -> Iterator[None]:
     with subprocess.Popen([sys.executable, "-c", ROBOT], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None and process.stdout.readline() == "ready\n"
         yield
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(timeout=10)
-        except subprocess.TimeoutExpired:  # of a thousand one never ends: CONTRIBUTING has why
-            process.kill()
+        end(process)
 
 
 def test_what_a_node_broadcasts_another_looks_up(stage: Stage) -> None:

@@ -66,13 +66,14 @@ class FigureEight(Node):
         super().__init__("figure_eight")
         self.publisher = self.create_publisher(Twist, "turtle1/cmd_vel", 10)
         self.create_subscription(Pose, "turtle1/pose", self.on_pose, 1000)
-        self.poses, self.has_ended = 0, False
+        self.ticks, self.has_ended = 0, False
 
     def on_pose(self, pose):
-        if self.publisher.get_subscription_count() == 0 or self.has_ended:
+        if self.has_ended:
             return
-        step = int(self.poses * 0.016 / 0.05)
-        self.poses += 1
+        moves = pose.linear_velocity != 0 or pose.angular_velocity != 0
+        self.ticks += self.ticks > 0 or moves
+        step = int(self.ticks * 0.016 / 0.05)
         self.has_ended = step >= len(self.plan)
         twist = Twist()
         if not self.has_ended:
@@ -85,7 +86,8 @@ class FigureEight(Node):
 def driving(*parts: str) -> str:
     """A class that drives what is listed: speeds ahead and around, each for 0.05 s of the simulator's.
 
-    It counts the simulator's ticks, so the figure is the same if one of the two stands still for a moment.
+    It counts the simulator's ticks, so the figure is the same if one of the two stands still for a moment. It counts
+    from the tick that moves the turtle: the first commands may be lost, for the simulator finds the publisher later.
     """
     return f"{DRIVER}{' + '.join(parts)}\n"
 
