@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 import psutil  # type: ignore[import-untyped]
@@ -191,16 +191,24 @@ class Station:
 
     def on_own_node(self, prepare: Callable[[Node], Made]) -> Made:
         """What `prepare` makes of a node in a thread of its own, which ends with the check."""
+        return self._check.enter_context(self.with_own_node(prepare))
+
+    @contextlib.contextmanager
+    def with_own_node(self, prepare: Callable[[Node], Made]) -> Iterator[Made]:
+        """What `prepare` makes of a node in a thread of its own; both are gone when the block has ended."""
         node = self._hidden_node()
         made = prepare(node)  # before it spins: which executor suits a node depends on what it has
-        self.spin(node)
-        return made
+        with contextlib.closing(self._spin(node)):
+            yield made
 
     def spin(self, node: Node) -> Node:
         """Spin a node until the check ends."""
-        self.mine.add(node.get_fully_qualified_name())
-        self._check.callback(SpinThread(node, self.errors.append).start().close)
+        self._check.callback(self._spin(node).close)
         return node
+
+    def _spin(self, node: Node) -> SpinThread:
+        self.mine.add(node.get_fully_qualified_name())
+        return SpinThread(node, self.errors.append).start()
 
     def tidy(self) -> None:
         """End what was opened for a check."""

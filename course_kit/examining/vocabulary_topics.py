@@ -136,17 +136,15 @@ def heard_once_more(topic: str, message_type: Any) -> Iterator[list[tuple[int, A
         if info["publication_sequence_number"] is not None:
             numbered.append((info["publication_sequence_number"], message))
 
-    def subscribe(node: Node) -> tuple[Node, Any]:
+    def subscribe(node: Node) -> None:
         qos = topics.qos_for(topic, current().stage.publishers(topic))
         qos.durability = DurabilityPolicy.VOLATILE
-        return node, node.create_subscription(message_type, topic, take, qos)  # type: ignore[arg-type]
+        node.create_subscription(message_type, topic, take, qos)  # type: ignore[arg-type]
 
-    node, subscription = current().stage.on_own_node(subscribe)
-    meet(current().stage, topic)
-    try:
+    # destroy_subscription() would be too early: a thread that waits for it keeps it, and a new publisher could meet it.
+    with current().stage.with_own_node(subscribe):
+        meet(current().stage, topic)
         yield numbered
-    finally:
-        node.destroy_subscription(subscription)
 
 
 def hear_no_longer(heard: Heard) -> None:

@@ -18,7 +18,7 @@ from course_kit.examining.examination import Examination
 from course_kit.examining.introduction import introduce, meet
 from course_kit.examining.station import Station
 from course_kit.examining.vocabulary_services import Client
-from course_kit.examining.vocabulary_topics import listen
+from course_kit.examining.vocabulary_topics import hear_no_longer, heard_once_more, listen
 from tests.waiting import wait_until
 
 
@@ -108,3 +108,13 @@ def test_a_node_has_met_the_checker_before_it_is_asked_or_heard(host: AnswerHost
     assert before >= 1
     listen("/words", String)
     assert CountsItsMeetings.meetings > before
+
+
+def test_a_subscription_is_gone_when_it_has_ended(examination: Examination) -> None:
+    """A node that is made then would count it, and publish for it."""
+    heard = listen("/words", String)
+    with heard_once_more("/words", String):
+        assert examination.stage.node.count_subscribers("/words") == 2
+    assert examination.stage.node.count_subscribers("/words") == 1
+    hear_no_longer(heard)
+    assert examination.stage.node.count_subscribers("/words") == 0
