@@ -21,7 +21,7 @@ uv_hashes=(
 )
 other_set_up_timeout=900 # seconds
 
-level=student                      # of what the command needs: see course_kit/environment/levels.py
+level=student                      # of what the command needs: see course_kit/setup/environment/levels.py
 again="./environment-check.sh lab" # what to repeat after a failure
 
 say() {
@@ -35,7 +35,7 @@ die() {
 }
 
 # A module of ours in a bare Python: no packages, no variables of the user's that change Python, nothing written.
-bare() { "$1" -ESB -m "course_kit.environment.$2" "${@:3}"; }
+bare() { "$1" -ESB -m "course_kit.setup.environment.$2" "${@:3}"; }
 
 # ---- Which Python
 
@@ -108,7 +108,7 @@ check() {
         ready | foreign) python=$venv/bin/python ;;
         *) choose_python || [[ -n $python ]] || no_python "$cure" "$@" ;;
     esac
-    exec "$python" -ESB -m course_kit.environment "$@" "$state"
+    exec "$python" -ESB -m course_kit.setup.environment "$@" "$state"
 }
 
 no_python() {
@@ -127,7 +127,7 @@ only_failure() {
     exit 1
 }
 
-# ready, below, missing, unfinished, outdated, foreign or incomplete: see course_kit/environment/stamp.py.
+# ready, below, missing, unfinished, outdated, foreign or incomplete: see course_kit/setup/environment/stamp.py.
 venv_state() {
     if [[ -x $venv/bin/python ]] && bare "${PYTHON:-$venv/bin/python}" stamp state "$level" 2> /dev/null; then
         return
@@ -148,7 +148,7 @@ prepare() {
         ready) ;;
         foreign)
             say "Using the .venv that is there. This script did not make it and leaves it as it is."
-            [[ $level == student ]] || "$venv/bin/python" -m course_kit.environment.additions "$level" || exit 1
+            [[ $level == student ]] || "$venv/bin/python" -m course_kit.setup.environment.additions "$level" || exit 1
             ;;
         incomplete) die "This script did not make .venv, and the course is not in it. Move it: mv .venv .venv-mine" ;;
         *) set_up ;;
@@ -341,7 +341,7 @@ start_lab() {
     given 'debug|log-level|.*\.log_level' "$@" || options+=(--ServerApp.log_level=WARN --LabApp.log_level=WARN)
     ((EUID)) || options+=(--allow-root)
     bare "$venv/bin/python" notebook || options+=(--no-browser)
-    ("$venv/bin/python" -m course_kit.environment.address $$ &) # exec keeps the process id
+    ("$venv/bin/python" -m course_kit.setup.environment.address $$ &) # exec keeps the process id
     exec "$venv/bin/python" "$venv/bin/jupyter-lab" "${options[@]}" "$@"
 }
 

@@ -13,12 +13,12 @@ import grimp
 import nbformat
 
 import course_kit
-from course_kit import exercises
-from course_kit.ros2.command import COMMANDS
+from course_kit.cli.ros2.command import COMMANDS
+from course_kit.exercises import catalogue
+from course_kit.exercises.solutions import worked
 from tests.exercises.chapter import group_of
 from tests.landings import ROOT, git
 
-SOLUTIONS = "course_kit/solutions"
 PACKAGES = ("course_kit", "tests")
 WORD = re.compile(r"\w+")
 NAMED = re.compile(r"\b(?:course_kit|tests)(?:\.\w+)+")
@@ -55,14 +55,14 @@ class Dependencies:
                 for length in range(1, len(parents) + 1):
                     self._add(name, ".".join([*parents[:length], "conftest"]))
         notebooks = sorted(name for name in self.texts if name.startswith("notebooks."))
-        for chapter, notebook in zip(exercises.CHAPTERS, notebooks, strict=True):
+        for chapter, notebook in zip(catalogue.CHAPTERS, notebooks, strict=True):
             self._add(notebook.removeprefix("notebooks."), "tests.test_notebooks")
             self._add(notebook.removeprefix("notebooks."), notebook)
             self._add("tests.chapters", notebook)  # its form, its terms
             modules = ["tests.exercises.test_answers", f"tests.exercises.answers_{chapter}", notebook]
-            paths = (ROOT / "course_kit/exercises").glob(f"{chapter}*.py")
-            modules += [f"course_kit.exercises.{path.stem}" for path in paths]
-            for group in sorted({group_of(one.name) for one in exercises.of_chapter(chapter)}):
+            paths = (ROOT / "course_kit/exercises" / chapter).glob("*.py")
+            modules += [module_of(path.relative_to(ROOT)) for path in paths]
+            for group in sorted({group_of(one.name) for one in catalogue.of_chapter(chapter)}):
                 for module in modules:
                     self._add(group, module)
 
@@ -82,7 +82,7 @@ class Dependencies:
                 export = course_kit.EXPORTS.get(name) if package == "course_kit" else None
                 yield f"course_kit.{export}" if export else f"{package}.{name}"
         for command in ROS2_COMMAND.findall(text):
-            yield from (one for one in self.modules if one.startswith(f"course_kit.ros2.{command}"))
+            yield from (one for one in self.modules if one.startswith(f"course_kit.cli.ros2.{command}"))
 
     def _add(self, importer: str, imported: str) -> None:
         while imported not in self.modules and "." in imported:
@@ -105,7 +105,7 @@ class Dependencies:
             return {f"notebooks.{path.stem}"}
         if module_of(path) in self.graph.modules:
             return {module_of(path)}
-        if path.is_relative_to(SOLUTIONS):
+        if path.parent.name == worked.FOLDER:
             return {group_of(path.stem), "tests.exercises.test_solutions"} & self.graph.modules
         module = path.parent if path.stem == "__init__" else path
         name = module.stem if path.suffix == ".py" else path.name  # a program is named as a module

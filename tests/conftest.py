@@ -183,7 +183,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 @pytest.fixture(scope="module")
 def fresh_domain() -> Iterator[None]:
     """A domain in which no earlier test of this process has left a node, for tests that look at the whole graph."""
-    from course_kit.spinning import context
+    from course_kit.ros.spinning import context
 
     context.stop()
     with own_domain():

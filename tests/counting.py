@@ -11,8 +11,8 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.background.running import run, stop
-from course_kit.spinning import context
+from course_kit.lab.background.running import run, stop
+from course_kit.ros.spinning import context
 
 STATUS, FEEDBACK = "/counting/_action/status", "/counting/_action/feedback"
 

@@ -1,4 +1,4 @@
-"""A robot crosses a world in the physics, without ROS: scan, map or place, path, pursuit, all of course_kit.navigation.
+"""A robot crosses a world in the physics, without ROS: scan, map or place, path and pursuit of course_kit.
 
 `python -m tests.crossing` drives through many worlds and prints how it went.
 """
@@ -13,18 +13,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from course_kit.navigation.grid_map import GridMap
-from course_kit.navigation.journey import Journey
-from course_kit.navigation.localization import ParticleFilter
-from course_kit.navigation.places import Floats, Place, after, between, hits, inverse, moved, wrapped
-from course_kit.navigation.planning import CostMap, PlanError, plan
-from course_kit.navigation.pursuit import Limits
-from course_kit.navigation.scan_matching import Slam
-from course_kit.robot import shape
-from course_kit.robot.drive import Odometry, wheel_rates
-from course_kit.robot.physics import Physics
-from course_kit.robot.world import World
-from course_kit.robot.worlds import world
+from course_kit.robots.navigation.grid_map import GridMap
+from course_kit.robots.navigation.journey import Journey
+from course_kit.robots.navigation.localization import ParticleFilter
+from course_kit.robots.navigation.places import Floats, Place, after, between, hits, inverse, moved, wrapped
+from course_kit.robots.navigation.planning import CostMap, PlanError, plan
+from course_kit.robots.navigation.pursuit import Limits
+from course_kit.robots.navigation.scan_matching import Slam
+from course_kit.robots.robot import shape
+from course_kit.robots.robot.drive import Odometry, wheel_rates
+from course_kit.robots.robot.physics import Physics
+from course_kit.robots.robot.world import World
+from course_kit.robots.robot.worlds import world
 
 LASER: Place = (shape.LASER[0], shape.LASER[1], 0.0)
 ANGLES = np.arange(shape.RAYS, dtype=np.float64) * (2 * math.pi / shape.RAYS)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
-from course_kit.ros_graph.graph_data import Channel, Endpoint, GraphNode, Qos, Snapshot
+from course_kit.ros.graph.snapshot import Channel, Endpoint, GraphNode, Qos, Snapshot
 
 RELIABLE, BEST_EFFORT, LATCHED = Qos(), Qos("best_effort"), Qos(durability="transient_local")
 TWIST, SCAN, TEXT, POSE = (

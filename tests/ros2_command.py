@@ -15,7 +15,7 @@ from tempfile import NamedTemporaryFile
 
 from tests import ros2_fork
 
-COMMAND = (sys.executable, "-m", "course_kit.ros2.command")
+COMMAND = (sys.executable, "-m", "course_kit.cli.ros2.command")
 TIMEOUT = 60.0
 FORKS = multiprocessing.get_context("forkserver")
 FORKS.set_forkserver_preload(["tests.ros2_forks_from"])

@@ -32,4 +32,4 @@ def run(words: Sequence[str], environment: Mapping[str, str], out: str, err: str
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = ["ros2", *words]
-    runpy.run_module("course_kit.ros2.command", run_name="__main__", alter_sys=True)
+    runpy.run_module("course_kit.cli.ros2.command", run_name="__main__", alter_sys=True)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import IO
 
-from course_kit.polling import wait_until
+from course_kit.base.polling import wait_until
 from tests.ros2_command import COMMAND, LATE, TIMEOUT, Outcome, end
 
 

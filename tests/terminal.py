@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from course_kit.polling import wait_until
+from course_kit.base.polling import wait_until
 
 ROOT = Path(__file__).parents[1]
 CTRL_C = b"\x03"

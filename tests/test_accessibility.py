@@ -37,19 +37,19 @@ CELLS = {
     "start": "import os, pathlib\npathlib.Path('pid').write_text(str(os.getpid()))\n"
     "from rclpy.node import Node\nfrom std_msgs.msg import String\n"
     "from course_kit import check, logs, measure_rates, plot_graph, plot_pose, record, run, set_log_level, wait_for\n"
-    "from course_kit.turtlesim import TurtleSim\nturtlesim = run(TurtleSim)\n"
+    "from course_kit import TurtleSim\nturtlesim = run(TurtleSim)\n"
     + "\n".join(
         f"log_{level} = lambda logger: (logger.set_level(10), logger.{level}('said at {level}'))"
         for level in ("debug", "info", "warning", "error", "fatal")
     ),
     "console": LOUD,
     "logs": "logs(level='DEBUG')",
-    "report": "from course_kit.environment.report import Report, fail, passed, warn\n"
+    "report": "from course_kit.setup.environment.report import Report, fail, passed, warn\n"
     "named = [('RMW_IMPLEMENTATION', passed('not set: ROS 2 takes its default')),"
     " ('disk', warn('2 GB are free', 'bags may not fit', 'rm -r ~/.cache')),"
     " ('compiler', fail('there is none', 'chapter 2 compiles C++', 'sudo apt-get install -y g++'))]\n"
     "from dataclasses import replace\nReport([replace(check, name=name) for name, check in named])",
-    "verdict": "from course_kit.examining.verdict import Finding, Verdict\n"
+    "verdict": "from course_kit.exercises.protocol.verdict import Finding, Verdict\n"
     "found = (Finding('it talks', True, '', 1), Finding('it is `loud`', False, 'Say it `louder`.', 1))\n"
     "Verdict('topics-1', 'A talker', 2, findings=found, seed=4711)",
     "progress": "%progress",
@@ -60,8 +60,8 @@ CELLS = {
     "live-graph": "from course_kit import show_graph\ngraph = show_graph()",
     "form": "from course_kit import show_form\nform = show_form('/turtle1/cmd_vel')",
     "verb": "hz = %ros2 topic hz /turtle1/pose --background",
-    "turtle": "from course_kit.live.turtle import drive\npanel = drive()",
-    "robot": "from course_kit import show_robot\nfrom course_kit.robot import Robot\nview = show_robot(run(Robot))",
+    "turtle": "from course_kit import drive\npanel = drive()",
+    "robot": "from course_kit import show_robot\nfrom course_kit import Robot\nview = show_robot(run(Robot))",
     "figure": "plot_graph()",
     "pose": "plot_pose(record('/turtle1/pose', count=30))",
     "pyplot": "import matplotlib.pyplot as plt\nplt.plot([1, 2])\nplt.title('by hand')\nplt.show()",

@@ -9,8 +9,8 @@ from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient
 from rclpy.node import Node
 
-from course_kit.recordings.recording import record
-from course_kit.ros_graph.action_plots import plot_action
+from course_kit.lab.recordings.recording import record
+from course_kit.ros.graph.action_plots import plot_action
 from tests.counting import STATUS, Counting, counting_node
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.environment import pins, user_domain
-from course_kit.environment.activation import PROFILE, activate, sourced_ros
+from course_kit.setup.environment import pins, user_domain
+from course_kit.setup.environment.activation import PROFILE, activate, sourced_ros
 
 WHEELS = not sourced_ros(os.environ)
 

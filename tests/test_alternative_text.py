@@ -21,20 +21,20 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 from turtlesim.msg import Pose
 
-from course_kit.alternative_text import of_figure, span
-from course_kit.calls.goal_plots import CHANGES, plot_goal_states
-from course_kit.figures import Plot, style
-from course_kit.grading import feedback_plots
-from course_kit.recordings.buffers import MessageBuffer
-from course_kit.recordings.plots import plot_pose, plot_rates
-from course_kit.recordings.topic_recording import TopicRecording
-from course_kit.ros_graph.graph_data import Channel, Endpoint, GraphNode, Parameter, Qos, Snapshot
-from course_kit.ros_graph.graph_plots import draw_graph
-from course_kit.scene.scene_plots import plot_scene
-from course_kit.series.value_plots import plot_values
-from course_kit.series.value_series import values
-from course_kit.turtlesim import picture
-from course_kit.turtlesim.world import World
+from course_kit.base.alternative_text import of_figure, span
+from course_kit.base.figures import Plot, style
+from course_kit.classroom.report import feedback_plots
+from course_kit.lab.calls.goal_plots import CHANGES, plot_goal_states
+from course_kit.lab.recordings.buffers import MessageBuffer
+from course_kit.lab.recordings.plots import plot_pose, plot_rates
+from course_kit.lab.recordings.topic_recording import TopicRecording
+from course_kit.lab.scene.scene_plots import plot_scene
+from course_kit.lab.series.value_plots import plot_values
+from course_kit.lab.series.value_series import values
+from course_kit.robots.turtlesim import picture
+from course_kit.robots.turtlesim.world import World
+from course_kit.ros.graph.plots import draw_graph
+from course_kit.ros.graph.snapshot import Channel, Endpoint, GraphNode, Parameter, Qos, Snapshot
 from tests.kernel import Kernel
 from tests.lab import server
 
@@ -166,7 +166,7 @@ def test_an_empty_figure_and_bars_are_told() -> None:
 
 
 SHOWN = {
-    "a plot of the course": ("from course_kit.figures import Plot\nplot = Plot(2, 1, 'one')\nplot", "one."),
+    "a plot of the course": ("from course_kit.base.figures import Plot\nplot = Plot(2, 1, 'one')\nplot", "one."),
     "a plot after pyplot": (
         "import matplotlib.pyplot as plt\nplot = Plot(2, 1, 'one')\nplot.subplots().plot([1, 2])\nplot",
         "one. A plot, a line with 2 points: x from 0 to 1, y from 1 to 2.",
@@ -182,7 +182,7 @@ SHOWN = {
 @pytest.fixture(scope="module")
 def kernel():
     kernel = Kernel()
-    kernel.run("from course_kit.figures import Plot")
+    kernel.run("from course_kit.base.figures import Plot")
     yield kernel
     kernel.close()
 

@@ -22,7 +22,7 @@ from rclpy.task import Future
 from std_msgs.msg import String
 
 from course_kit import logs, nodes, run, running, stop, wait_for
-from course_kit.spinning import BlockingWait, NodeAlreadyRuns, context, errors
+from course_kit.ros.spinning import BlockingWait, NodeAlreadyRuns, context, errors
 from tests.waiting import wait_until
 
 

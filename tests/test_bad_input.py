@@ -20,18 +20,19 @@ from rclpy.node import Node
 from turtlesim.msg import Pose
 
 import course_kit
-import course_kit.arguments
-from course_kit import bags, faults
-from course_kit.calls.conversations import plot_conversation
-from course_kit.calls.goal_plots import plot_goals
-from course_kit.calls.sequences import plot_calls
-from course_kit.calls.service_calls import calls_of
-from course_kit.colcon.install_plots import plot_install
-from course_kit.live.turtle import drive
-from course_kit.robot import Robot
-from course_kit.ros_graph import discovery
-from course_kit.ros_graph.action_plots import plot_action
-from course_kit.turtlesim import TurtleSim
+import course_kit.base.arguments
+from course_kit.exercises import faults
+from course_kit.lab import bags
+from course_kit.lab.calls.conversations import plot_conversation
+from course_kit.lab.calls.goal_plots import plot_goals
+from course_kit.lab.calls.sequences import plot_calls
+from course_kit.lab.calls.service_calls import calls_of
+from course_kit.robots.robot.node import Robot
+from course_kit.robots.turtlesim.node import TurtleSim
+from course_kit.ros.graph import discovery
+from course_kit.ros.graph.action_plots import plot_action
+from course_kit.setup.colcon.install_plots import plot_install
+from course_kit.views.live.turtle import drive
 
 LONGEST = 2.0  # seconds that a refusal may take, without what a call waits for
 LIMIT = 4000  # letters that it may print, or say
@@ -97,7 +98,7 @@ class Row:
                     right[number : number + 1] = [value]
                 else:
                     keywords[name] = value
-                told = course_kit.arguments.shown(value)
+                told = course_kit.base.arguments.shown(value)
                 yield f"{name}={told}", partial(self.call, *right, **keywords)
 
 
@@ -277,7 +278,7 @@ def problem(call: Callable[[], Any], is_again: bool = False) -> str | None:
             return f"inner error in {Path(file).name}:{line}: {seen}"
         if len(told) > 600 or "\n" in told or len(told.split()) < 4:
             return f"no sentence: {seen}"
-        if not course_kit.arguments.is_text(told):
+        if not course_kit.base.arguments.is_text(told):
             return f"cannot be printed: {seen}"
     else:
         return "accepted"

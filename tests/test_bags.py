@@ -12,13 +12,13 @@ from typing import Any
 import pytest
 import yaml
 
-from course_kit import bags
-from course_kit.bags import files as bag_files
-from course_kit.bags import qos as bag_qos
-from course_kit.bags import types as bag_types
-from course_kit.bags.read_ahead import ReadAhead
-from course_kit.bags.writer import BagWriter
-from course_kit.spinning import context
+from course_kit.lab import bags
+from course_kit.lab.bags import files as bag_files
+from course_kit.lab.bags import qos as bag_qos
+from course_kit.lab.bags import types as bag_types
+from course_kit.lab.bags.read_ahead import ReadAhead
+from course_kit.lab.bags.writer import BagWriter
+from course_kit.ros.spinning import context
 from tests.senders import DIGITS, PLACES, Sender
 from tests.waiting import wait_until
 

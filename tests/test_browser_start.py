@@ -16,7 +16,7 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook, new_output
 
-from course_kit.environment.notebook import START
+from course_kit.setup.environment.notebook import START
 from tests.chapters import FOLDER, PATHS
 from tests.lab import CHROMIUM, Lab, browser, server
 
@@ -50,7 +50,7 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lab]:
         with server(root, home / "config"):
             (announced,) = Path(runtime).glob("jpserver-*.json")
             process = announced.stem.removeprefix("jpserver-")
-            command = [sys.executable, "-m", "course_kit.environment.address", process]
+            command = [sys.executable, "-m", "course_kit.setup.environment.address", process]
             said = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
             found = re.search(r"Its address: (\S+)", said)
             assert found, said

@@ -12,11 +12,11 @@ from rclpy.node import Node
 from std_msgs.msg import String
 
 from course_kit import run, start, stop, wait_for
-from course_kit.callbacks.callback_groups import Callback, Execution, Group
-from course_kit.callbacks.callback_time_plots import plot_callback_times
-from course_kit.callbacks.callback_times import Span, run_of
-from course_kit.callbacks.executor_plots import plot_executor
-from course_kit.callbacks.node_callbacks import execution_of
+from course_kit.lab.callbacks.callback_groups import Callback, Execution, Group
+from course_kit.lab.callbacks.callback_time_plots import plot_callback_times
+from course_kit.lab.callbacks.callback_times import Span, run_of
+from course_kit.lab.callbacks.executor_plots import plot_executor
+from course_kit.lab.callbacks.node_callbacks import execution_of
 
 TOLD = ["hello", "threads 2", "callback take Pool-1 10.5 10.5001", "callback test Pool-0 10.0 10.5"]
 

@@ -23,9 +23,9 @@ def test_each_file_of_the_course_is_some_test_s(dependencies: Dependencies) -> N
 @pytest.mark.parametrize(
     ("file", "module"),
     [
-        ("course_kit/robot/vehicle.py", "course_kit.robot.vehicle"),
+        ("course_kit/robots/robot/vehicle.py", "course_kit.robots.robot.vehicle"),
         ("notebooks/03_topics.ipynb", "notebooks.03_topics"),
-        ("course_kit/live/form.js", "course_kit.live.form"),
+        ("course_kit/views/live/form.js", "course_kit.views.live.form"),
         ("tests/programs/storm.py", "tests.test_dead_segments"),
     ],
 )
@@ -38,10 +38,10 @@ def test_what_each_landing_changes_brings_no_group_near(dependencies: Dependenci
 
 
 def test_a_group_is_nearer_the_fewer_imports_lie_between(dependencies: Dependencies) -> None:
-    found = dependencies.distances(["course_kit/solutions/robot-8.md"])
+    found = dependencies.distances(["course_kit/exercises/robot/solutions/robot-8.md"])
     assert found["exercise robot-8"] == 0
     assert found["exercise topics-1"] is None
-    found = dependencies.distances(["course_kit/navigation/planning.py"])
+    found = dependencies.distances(["course_kit/robots/navigation/planning.py"])
     assert found["test_navigation_paths"] == 1
     assert found["test_conversations"] is None
     assert found["07_robot"] is not None

@@ -8,8 +8,8 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from course_kit.colcon import chapter_packages
-from course_kit.colcon.workspaces import Workspace
+from course_kit.setup.colcon import chapter_packages
+from course_kit.setup.colcon.workspaces import Workspace
 
 NOTEBOOK = Path(__file__).parents[1] / "notebooks/02_workspace.ipynb"
 WRITES = "%%writefile ros2_ws/src/my_interfaces/"

@@ -134,10 +134,10 @@ def main():
 """
 NODES = """
 from course_kit import *
-from course_kit.environment import check_environment
-from course_kit.live.life import stop_all
-from course_kit.navigation import Mapper, Navigator, Planner
-from course_kit.robot import Robot
+from course_kit import check_environment
+from course_kit.views.live.life import stop_all
+from course_kit import Mapper, Navigator, Planner
+from course_kit import Robot
 
 class Lamp(Node):
     def __init__(self):
@@ -239,7 +239,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
     with own_domain(), pytest.MonkeyPatch.context() as patch:
         patch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
         workspace.build()
-        command = [sys.executable, "-m", "course_kit.turtlesim"]
+        command = [sys.executable, "-m", "course_kit.robots.turtlesim"]
         turtle = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             with closing(Kernel(folder)) as kernel:

@@ -15,14 +15,14 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
-from course_kit.background.running import running
-from course_kit.polling import wait_until
-from course_kit.ros2.servers import outcome
-from course_kit.ros2.session import Session
-from course_kit.ros2.verbs import CommandError
-from course_kit.spinning.nodes import quiet_node
-from course_kit.watching import instruments
-from course_kit.watching.clients import PERIOD, call, meet_server, meet_service
+from course_kit.base.polling import wait_until
+from course_kit.cli.ros2.servers import outcome
+from course_kit.cli.ros2.session import Session
+from course_kit.cli.ros2.verbs import CommandError
+from course_kit.lab.background.running import running
+from course_kit.ros.spinning.nodes import quiet_node
+from course_kit.ros.watching import instruments
+from course_kit.ros.watching.clients import PERIOD, call, meet_server, meet_service
 from tests.waiting import wait_until as wait_for
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from course_kit.live import console
+from course_kit.views.live import console
 from tests.waiting import wait_until
 
 AT_ONCE = 8

@@ -11,8 +11,8 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
-from course_kit.examining.station import Station
-from course_kit.spinning import context
+from course_kit.ros.observing.station import Station
+from course_kit.ros.spinning import context
 from tests.benchmark.child import Program
 from tests.waiting import wait_until
 

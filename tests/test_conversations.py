@@ -10,9 +10,9 @@ from example_interfaces.action import Fibonacci
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 
-from course_kit.background.waiting import wait_for
-from course_kit.calls.conversations import Request, note_requests, plot_conversation
-from course_kit.recordings.recording import Recording, record
+from course_kit.lab.background.waiting import wait_for
+from course_kit.lab.calls.conversations import Request, note_requests, plot_conversation
+from course_kit.lab.recordings.recording import Recording, record
 from tests.counting import FEEDBACK, STATUS, Counting, counting_node
 
 

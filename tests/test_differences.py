@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from rclpy.qos import qos_profile_sensor_data
 
-from course_kit.solving import differences
-from course_kit.solving.ros_calls import RosCalls
+from course_kit.exercises.solutions import differences
+from course_kit.exercises.solutions.ros_calls import RosCalls
 from tests.exercises.chapter import answers_to, changed, solved
 
 SOLUTIONS = {name: solved(name).code for name in ("topics-1", "topics-2", "services-2", "services-3", "services-4")}

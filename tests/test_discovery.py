@@ -19,8 +19,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
-from course_kit.ros_graph import discovery, graph
-from course_kit.spinning.nodes import destroy
+from course_kit.ros.graph import discovery, graph
+from course_kit.ros.spinning.nodes import destroy
 from tests.benchmark.child import ROOT, Program, environment
 from tests.waiting import wait_until
 
@@ -117,7 +117,7 @@ ENDING = """
 import threading
 import rclpy
 from rclpy.node import Node
-from course_kit.ros_graph import discovery
+from course_kit.ros.graph import discovery
 
 rclpy.init()
 for number in range(50):

@@ -18,7 +18,7 @@ from subprocess import CompletedProcess
 
 import pytest
 
-from course_kit.environment.activation import sourced_ros
+from course_kit.setup.environment.activation import sourced_ros
 from tests.course_copy import BASE_PYTHON, CourseCopy, fresh_environ
 
 pytestmark = [

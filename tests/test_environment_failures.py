@@ -15,7 +15,7 @@ from subprocess import CompletedProcess
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from course_kit.environment import failure
+from course_kit.setup.environment import failure
 from tests.course_copy import BASE_PYTHON, SET_UP, UV, CourseCopy, fresh_environ, needs_root, needs_uv
 from tests.http_server import serving
 from tests.terminal import CTRL_C, Terminal

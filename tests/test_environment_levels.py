@@ -21,9 +21,9 @@ import packaging
 import pytest
 from packaging.requirements import Requirement
 
-from course_kit.environment import additions, levels, pins, stamp
-from course_kit.environment.interpreter import applicable
-from course_kit.environment.levels import GRADING, STUDENT, TEST
+from course_kit.setup.environment import additions, levels, pins, stamp
+from course_kit.setup.environment.interpreter import applicable
+from course_kit.setup.environment.levels import GRADING, STUDENT, TEST
 from tests.course_copy import BASE_PYTHON, ROOT, SET_UP, UV, CourseCopy, fresh_environ, needs_root, needs_uv
 from tests.http_server import serving
 
@@ -116,7 +116,7 @@ def test_the_grader_begins_without_them(modules):
         "    def find_spec(self, name, *_):\n"
         f"        if name.partition('.')[0] in {modules!r}: raise ModuleNotFoundError(name, name=name)\n"
         "sys.meta_path.insert(0, Hidden())\n"
-        "from course_kit.course_command import main\n"
+        "from course_kit.classroom.course_command import main\n"
         "main(['grade', '--help'])\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
@@ -216,7 +216,7 @@ def students(course, environ, index, tmp_path) -> CourseCopy:
         f"{wheel(tmp_path / 'index', name)}    # via ros2-notebook-course (pyproject.toml:{group})\n"
         for name, group in needs.items()
     ]
-    (course.root / "course_kit/environment/requirements.lock").write_text("".join(lock))
+    (course.root / "course_kit/setup/environment/requirements.lock").write_text("".join(lock))
     installer = course.root / "build/uv-0.13.8/bin"
     installer.mkdir(parents=True)
     (installer / "uv").symlink_to(str(UV))
@@ -234,7 +234,7 @@ def students(course, environ, index, tmp_path) -> CourseCopy:
 
 
 PROGRAM = """
-from course_kit.environment import additions
+from course_kit.setup.environment import additions
 try:
     additions.add("grading", "course grade .")
 except additions.NotAdded as error:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.environment import interpreter, python, stamp
-from course_kit.environment.activation import RosInstallation
-from course_kit.environment.interpreter import Interpreter
+from course_kit.setup.environment import interpreter, python, stamp
+from course_kit.setup.environment.activation import RosInstallation
+from course_kit.setup.environment.interpreter import Interpreter
 from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy
 
 
@@ -189,13 +189,13 @@ def test_a_finished_venv_is_ready(finished):
     "source",
     [
         "pyproject.toml",
-        "course_kit/environment/levels.py",
-        "course_kit/environment/requirements.lock",
-        "course_kit/environment/prefix/share/course_kit/bashrc.sh",
-        "course_kit/interfaces/build_hook.py",
-        "course_kit/interfaces/course_kit_environment.pth",
-        "course_kit/interfaces/rosidl.py",
-        "course_kit/interfaces/turtlesim/msg/Pose.msg",
+        "course_kit/setup/environment/levels.py",
+        "course_kit/setup/environment/requirements.lock",
+        "course_kit/setup/environment/prefix/share/course_kit/bashrc.sh",
+        "course_kit/setup/interfaces/build_hook.py",
+        "course_kit/setup/interfaces/course_kit_environment.pth",
+        "course_kit/setup/interfaces/rosidl.py",
+        "course_kit/setup/interfaces/turtlesim/msg/Pose.msg",
     ],
 )
 def test_a_change_in_what_set_up_installs_makes_the_venv_outdated(finished, source):
@@ -205,7 +205,7 @@ def test_a_change_in_what_set_up_installs_makes_the_venv_outdated(finished, sour
 
 
 def test_a_change_in_code_that_is_used_where_it_lies_does_not(finished):
-    with open(finished / "course_kit/environment/report.py", "a") as file:
+    with open(finished / "course_kit/setup/environment/report.py", "a") as file:
         file.write("# changed\n")
     assert stamp.state(finished, {}, THIS) == "ready"
 
@@ -239,6 +239,6 @@ def test_the_other_states_of_a_venv(tmp_path):
 
 
 def test_the_base_python_of_the_tests_is_fit_for_the_course():
-    module = [BASE_PYTHON, "-ESB", "-m", "course_kit.environment.interpreter"]
+    module = [BASE_PYTHON, "-ESB", "-m", "course_kit.setup.environment.interpreter"]
     done = subprocess.run(module, capture_output=True, text=True, cwd=ROOT, env={}, timeout=30)
     assert (done.returncode, done.stdout) == (0, "\n")

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from course_kit.environment import report
-from course_kit.environment.report import Check, Report, fail, passed, warn
+from course_kit.setup.environment import report
+from course_kit.setup.environment.report import Check, Report, fail, passed, warn
 
 
 def named(name: str, check: Check) -> Check:

@@ -8,10 +8,10 @@ import time
 
 import pytest
 
-from course_kit.environment import check_environment, ros, user_domain
-from course_kit.environment.activation import RosInstallation
-from course_kit.environment.interpreter import Interpreter
-from course_kit.environment.ros import RoundTrip
+from course_kit.setup.environment import check_environment, ros, user_domain
+from course_kit.setup.environment.activation import RosInstallation
+from course_kit.setup.environment.interpreter import Interpreter
+from course_kit.setup.environment.ros import RoundTrip
 
 APT = RosInstallation("/opt/ros/jazzy", "jazzy")
 HUMBLE = RosInstallation("/opt/ros/humble", "humble")

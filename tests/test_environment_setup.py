@@ -18,7 +18,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from course_kit.environment import levels, stamp
+from course_kit.setup.environment import levels, stamp
 from tests.course_copy import ROOT, CourseCopy, fresh_environ
 from tests.waiting import wait_until
 

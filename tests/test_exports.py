@@ -49,7 +49,7 @@ def test_importing_a_name_changes_nothing_in_rclpy():
 def test_a_command_that_only_looks_loads_no_numpy(line):
     """Which takes longer than all else that it does."""
     code = (
-        "import sys\nfrom course_kit.ros2 import command\n"
+        "import sys\nfrom course_kit.cli.ros2 import command\n"
         f"command.run({line.split()!r})\nprint('numpy' in sys.modules, file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)

@@ -11,11 +11,12 @@ from random import Random
 import pytest
 from sensor_msgs.msg import LaserScan
 
-from course_kit import faults
-from course_kit.faults import all_faults, health, lab, reactions, robots_manual
-from course_kit.faults.fault import HEALTHY, PROGRAMS, Fault
-from course_kit.faults.surroundings import TERMINALS, executable
-from course_kit.ros2.command import parser_for
+from course_kit.cli.ros2.command import parser_for
+from course_kit.exercises import faults
+from course_kit.exercises.debugging import robot_reactions
+from course_kit.exercises.faults import all_faults, health, lab, robots_manual
+from course_kit.exercises.faults.fault import HEALTHY, PROGRAMS, Fault
+from course_kit.exercises.faults.surroundings import TERMINALS, executable
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")
 
@@ -107,19 +108,19 @@ def test_each_thing_that_is_not_well_is_found(change, which):
 
 def test_a_turtle_is_put_where_the_robot_must_drive_or_must_turn():
     for seed in range(200):
-        is_free, wall = reactions.open_place(Random(seed)), reactions.place_at_a_wall(Random(seed))
+        is_free, wall = robot_reactions.open_place(Random(seed)), robot_reactions.place_at_a_wall(Random(seed))
         ahead = [angle / 10 for angle in range(-7, 8)]
-        assert min(reactions.distance_to_wall(is_free, angle) for angle in ahead) > 2.0
-        assert 0.5 < min(reactions.distance_to_wall(wall, angle) for angle in ahead) < 1.1
+        assert min(robot_reactions.distance_to_wall(is_free, angle) for angle in ahead) > 2.0
+        assert 0.5 < min(robot_reactions.distance_to_wall(wall, angle) for angle in ahead) < 1.1
 
 
 def test_a_scan_is_known_to_be_from_a_place():
-    place, elsewhere = reactions.Place(4.0, 7.0, 0.5), reactions.Place(5.0, 7.0, 0.5)
+    place, elsewhere = robot_reactions.Place(4.0, 7.0, 0.5), robot_reactions.Place(5.0, 7.0, 0.5)
     scan = LaserScan(angle_min=-3.0, angle_increment=0.5)
-    scan.ranges = [reactions.distance_to_wall(place, -3.0 + 0.5 * beam) for beam in range(13)]
-    assert reactions.is_from(scan, place)
-    assert not reactions.is_from(scan, elsewhere)
-    assert not reactions.is_from(LaserScan(), place)
+    scan.ranges = [robot_reactions.distance_to_wall(place, -3.0 + 0.5 * beam) for beam in range(13)]
+    assert robot_reactions.is_from(scan, place)
+    assert not robot_reactions.is_from(scan, elsewhere)
+    assert not robot_reactions.is_from(LaserScan(), place)
 
 
 def test_the_right_cause_is_accepted_and_others_are_refused_with_what_one_would_see(told_of):

@@ -18,15 +18,17 @@ from typing import Any
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from course_kit import faults, polling, start
-from course_kit.examining.examination import Ended, Examination, begin, current
-from course_kit.examining.station import Station
-from course_kit.exercises import find
-from course_kit.faults import all_faults, health, lab
-from course_kit.faults.fault import PROGRAMS
-from course_kit.faults.vocabulary import expect_well
-from course_kit.ros2 import command
-from course_kit.spinning import context
+from course_kit import start
+from course_kit.base import polling
+from course_kit.cli.ros2 import command
+from course_kit.exercises import faults
+from course_kit.exercises.catalogue import find
+from course_kit.exercises.checker.examination import Ended, Examination, begin, current
+from course_kit.exercises.debugging.robot_well import expect_well
+from course_kit.exercises.faults import all_faults, health, lab
+from course_kit.exercises.faults.fault import PROGRAMS
+from course_kit.ros.observing.station import Station
+from course_kit.ros.spinning import context
 from tests.kernel import Kernel
 from tests.ros2_command import ros2
 from tests.ros2_launches import none_left

@@ -9,8 +9,8 @@ from concurrent.futures import Future
 
 import pytest
 
-from course_kit.causes import cause_of
-from course_kit.causes.frames import folded, steps
+from course_kit.ros.causes import cause_of
+from course_kit.ros.causes.frames import folded, steps
 from tests.domains import OF_NO_TEST
 from tests.first_errors import CASES, SET_UP, Case
 from tests.kernel import Kernel, kernel_after
@@ -19,9 +19,9 @@ pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
 
 # What a check would be told of the class X: as its own process orders it, with the notebook's side in this kernel.
 CHECKING = """
-from course_kit.examining import answer_host
-from course_kit.examining.domains import reserve_stage
-from course_kit.polling import wait_until
+from course_kit.exercises.in_notebook import answer_host
+from course_kit.exercises.domains import reserve_stage
+from course_kit.base.polling import wait_until
 stage = reserve_stage()
 
 def told_in_check():

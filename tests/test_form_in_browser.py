@@ -19,7 +19,7 @@ pytestmark = [
     pytest.mark.timeout(300),
 ]
 CELLS = {
-    "start": "from course_kit import record, run, show_form\nfrom course_kit.turtlesim import TurtleSim\n"
+    "start": "from course_kit import record, run, show_form\nfrom course_kit import TurtleSim\n"
     "turtlesim = run(TurtleSim)\nposes = record('/turtle1/pose')",
     "publish": "velocity = show_form('/turtle1/cmd_vel')",
     "call": "spawn = show_form('/spawn')",

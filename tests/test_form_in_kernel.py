@@ -13,8 +13,8 @@ SET_UP = """
 import ctypes, gc, threading, psutil
 from ipywidgets.widgets.widget import _instances
 from course_kit import run, show_form, wait_for
-from course_kit.turtlesim import TurtleSim
-from course_kit.watching import instruments
+from course_kit import TurtleSim
+from course_kit.ros.watching import instruments
 turtlesim = run(TurtleSim)
 
 def press(form, button, **entries):
@@ -102,7 +102,7 @@ def test_the_next_run_of_its_cell_ends_it_and_what_it_publishes(kernel: Kernel) 
 
 def test_a_form_ends_with_ros(kernel: Kernel) -> None:
     kernel.run("form = show_form('/turtle1/cmd_vel')\npress(form, 'start')\nimport rclpy\nrclpy.shutdown()")
-    kernel.run("from course_kit.spinning import context\ncontext.stop()")
+    kernel.run("from course_kit.ros.spinning import context\ncontext.stop()")
     assert kernel.value("form.is_running") == "False"
     kernel.run("turtlesim = run(TurtleSim)")
 

@@ -20,14 +20,14 @@ from shape_msgs.msg import SolidPrimitive
 from std_msgs.msg import ColorRGBA, Header, String
 from turtlesim.srv import Spawn
 
-from course_kit.forms.command_line import command_line
-from course_kit.forms.fields import message_field, read
-from course_kit.forms.interface import ACTION, SERVICE, TOPIC, Interface
-from course_kit.forms.program import WIDTH, program
-from course_kit.interface_types import type_name
-from course_kit.ros2.command import parser_for
-from course_kit.ros2.messages.values import parse, populate
-from course_kit.ros2.messages.yaml_text import to_dict
+from course_kit.cli.ros2.command import parser_for
+from course_kit.cli.ros2.messages.values import parse, populate
+from course_kit.cli.ros2.messages.yaml_text import to_dict
+from course_kit.ros.interface_types import type_name
+from course_kit.views.forms.command_line import command_line
+from course_kit.views.forms.fields import message_field, read
+from course_kit.views.forms.interface import ACTION, SERVICE, TOPIC, Interface
+from course_kit.views.forms.program import WIDTH, program
 from tests.test_ros2_message_yaml import EXAMPLES, TYPES, messages_of
 
 

@@ -23,19 +23,19 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from course_kit.forms import calling
-from course_kit.forms.calling import GoalSender
-from course_kit.forms.command_line import command_line
-from course_kit.forms.fields import read
-from course_kit.forms.interface import ACTION, SERVICE, TOPIC, Interface
-from course_kit.forms.lookup import find
-from course_kit.forms.program import program
-from course_kit.forms.sender import Sender
-from course_kit.forms.sending import Publishing, sender
-from course_kit.ros2.messages.yaml_text import to_dict
-from course_kit.spinning import context
-from course_kit.spinning.executors import SpinThread
-from course_kit.watching import instruments
+from course_kit.cli.ros2.messages.yaml_text import to_dict
+from course_kit.ros.spinning import context
+from course_kit.ros.spinning.executors import SpinThread
+from course_kit.ros.watching import instruments
+from course_kit.views.forms import calling
+from course_kit.views.forms.calling import GoalSender
+from course_kit.views.forms.command_line import command_line
+from course_kit.views.forms.fields import read
+from course_kit.views.forms.interface import ACTION, SERVICE, TOPIC, Interface
+from course_kit.views.forms.lookup import find
+from course_kit.views.forms.program import program
+from course_kit.views.forms.sender import Sender
+from course_kit.views.forms.sending import Publishing, sender
 from tests import ros2_command
 from tests.test_forms import filled
 from tests.waiting import wait_until

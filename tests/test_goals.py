@@ -11,10 +11,10 @@ from example_interfaces.action import Fibonacci
 from std_msgs.msg import String
 from unique_identifier_msgs.msg import UUID
 
-from course_kit.background.waiting import wait_for
-from course_kit.calls.goal_plots import plot_goal_states, plot_goals
-from course_kit.calls.goals import goals_of
-from course_kit.recordings.recording import Recording, record
+from course_kit.lab.background.waiting import wait_for
+from course_kit.lab.calls.goal_plots import plot_goal_states, plot_goals
+from course_kit.lab.calls.goals import goals_of
+from course_kit.lab.recordings.recording import Recording, record
 from tests.counting import FEEDBACK, STATUS, Counting, counting_node
 
 

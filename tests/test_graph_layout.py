@@ -16,15 +16,15 @@ from rclpy.qos import (
     qos_check_compatible,
 )
 
-from course_kit.figures import PAPER, contrast
-from course_kit.ros_graph.graph import qos_data
-from course_kit.ros_graph.graph_cards import Card, cards
-from course_kit.ros_graph.graph_data import Channel, Endpoint, GraphNode, Parameter, Qos, Snapshot
-from course_kit.ros_graph.graph_drawing import INKS, LOOKS, TROUBLE, WIRE, text_width
-from course_kit.ros_graph.graph_layers import Box, Line
-from course_kit.ros_graph.graph_layout import Layout, lay_out
-from course_kit.ros_graph.graph_plots import WIRES, draw_graph
-from course_kit.ros_graph.matching import explanations, mismatch, parts, qos_reasons
+from course_kit.base.figures import PAPER, contrast
+from course_kit.ros.graph.cards import Card, cards
+from course_kit.ros.graph.drawing import INKS, LOOKS, TROUBLE, WIRE, text_width
+from course_kit.ros.graph.graph import qos_data
+from course_kit.ros.graph.layers import Box, Line
+from course_kit.ros.graph.layout import Layout, lay_out
+from course_kit.ros.graph.matching import explanations, mismatch, parts, qos_reasons
+from course_kit.ros.graph.plots import WIRES, draw_graph
+from course_kit.ros.graph.snapshot import Channel, Endpoint, GraphNode, Parameter, Qos, Snapshot
 from tests import graphs
 from tests.graphs import BEST_EFFORT, LATCHED, TEXT, channel, snapshot
 

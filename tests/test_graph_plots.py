@@ -18,12 +18,12 @@ import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.live.graph import GraphView, show_graph
-from course_kit.ros_graph.graph_data import Channel, Endpoint, Qos, Snapshot
-from course_kit.ros_graph.graph_plots import look, observer, plot_graph
-from course_kit.ros_graph.matching import explanations
-from course_kit.spinning import context
-from course_kit.watching import instruments
+from course_kit.ros.graph.matching import explanations
+from course_kit.ros.graph.plots import look, observer, plot_graph
+from course_kit.ros.graph.snapshot import Channel, Endpoint, Qos, Snapshot
+from course_kit.ros.spinning import context
+from course_kit.ros.watching import instruments
+from course_kit.views.live.graph import GraphView, show_graph
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from course_kit import Workspace
-from course_kit.colcon.install_plots import Installed, installed, plot_install
+from course_kit.setup.colcon.install_plots import Installed, installed, plot_install
 from tests import packages
 
 

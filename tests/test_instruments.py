@@ -16,8 +16,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from std_msgs.msg import Int32, String
 
-from course_kit.spinning import context, errors
-from course_kit.watching import instruments, topics
+from course_kit.ros.spinning import context, errors
+from course_kit.ros.watching import instruments, topics
 from tests.senders import Sender
 from tests.waiting import interrupted_when, wait_until
 
@@ -185,7 +185,7 @@ def test_a_latched_message_from_before_is_received() -> None:
 
 
 def test_a_student_callback_that_blocks_does_not_stall_the_instruments(talker: Node) -> None:
-    from course_kit.background import running
+    from course_kit.lab.background import running
 
     release = threading.Event()
 
@@ -290,9 +290,9 @@ PROGRAM = """
 import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
-from course_kit.spinning import context
-from course_kit.polling import wait_until
-from course_kit.watching import instruments, topics
+from course_kit.ros.spinning import context
+from course_kit.base.polling import wait_until
+from course_kit.ros.watching import instruments, topics
 got = []
 subscription = instruments.subscribe('/program', lambda message, info: got.append(message), String)
 talker = Node('talker')

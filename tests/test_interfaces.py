@@ -16,7 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from turtlesim.msg import Pose
 
-DEFINITIONS = Path(__file__).parents[1] / "course_kit/interfaces"
+DEFINITIONS = Path(__file__).parents[1] / "course_kit/setup/interfaces"
 # RIHS01 hashes of the original packages, as ROS 2 Jazzy announces them.
 HASHES = {
     "turtlesim/msg/Pose": "739beba26bcba6920404ba722b7b8321348512f92ea5be235c47251940dd8aa9",

@@ -15,9 +15,9 @@ from rclpy.task import Future
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
-from course_kit.background import guards
-from course_kit.internals import TRIED_RCLPY, package_version, rclpy_message_parts, rclpy_parts, untried
-from course_kit.spinning import context
+from course_kit.lab.background import guards
+from course_kit.ros.internals import TRIED_RCLPY, package_version, rclpy_message_parts, rclpy_parts, untried
+from course_kit.ros.spinning import context
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 
@@ -33,8 +33,8 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 from course_kit import record, run, stop, wait_for
-from course_kit.internals import rclpy_message_parts, rclpy_parts
-from course_kit.watching import instruments
+from course_kit.ros.internals import rclpy_message_parts, rclpy_parts
+from course_kit.ros.watching import instruments
 
 class Talker(Node):
     def __init__(self):
@@ -237,7 +237,7 @@ talk()
 def test_what_is_said_at_a_kernels_start_comes_with_its_first_cell():
     lines = said("""
 from IPython.core.interactiveshell import InteractiveShell
-from course_kit.live.kernel_start import load_ipython_extension
+from course_kit.views.live.kernel_start import load_ipython_extension
 with_another_parameter(rclpy, "spin")
 shell = InteractiveShell.instance(user_ns=globals())
 load_ipython_extension(shell)

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from rclpy.node import Node
 
-from course_kit.internals import NotAsExpected, package_version, rmw_parts
-from course_kit.internals.fastdds_parts import Origin, entities, participants_listening
-from course_kit.internals.rmw_parts import SERIES, SerializedSubscription
-from course_kit.spinning import context
+from course_kit.ros.internals import NotAsExpected, package_version, rmw_parts
+from course_kit.ros.internals.fastdds_parts import Origin, entities, participants_listening
+from course_kit.ros.internals.rmw_parts import SERIES, SerializedSubscription
+from course_kit.ros.spinning import context
 from tests.waiting import wait_until
 
 OPEN = 'SerializedSubscription(node, "ros_discovery_info", "rmw_dds_common", "ParticipantEntitiesInfo", 10)'
@@ -21,9 +21,9 @@ WITH_A_NODE = f"""
 import ctypes, os
 import rclpy
 from rclpy.node import Node
-from course_kit.internals import NotAsExpected, rmw_parts
-from course_kit.internals.rmw_parts import SerializedSubscription
-from course_kit.ros_graph import discovery
+from course_kit.ros.internals import NotAsExpected, rmw_parts
+from course_kit.ros.internals.rmw_parts import SerializedSubscription
+from course_kit.ros.graph import discovery
 rclpy.init()
 node = Node("sentry")
 
@@ -103,7 +103,7 @@ def test_beside_a_rmw_of_another_series_lists_of_nodes_wait_and_one_line_says_wh
     told.write_text('<package format="2">\n  <version>7.4.0</version>\n</package>')
     code = f"""
 os.environ["AMENT_PREFIX_PATH"] = {str(tmp_path)!r} + os.pathsep + os.environ["AMENT_PREFIX_PATH"]
-from course_kit.ros_graph import graph
+from course_kit.ros.graph import graph
 other = Node("other")
 print(discovery.of(node).wait(0.5), sorted(name.full_name for name in graph.nodes(node)))
 discovery.forget(node)
@@ -119,7 +119,7 @@ discovery.forget(node)
 def test_where_what_comes_is_another_structure_nodes_are_listed_all_the_same():
     code = """
 with_one_field_more("_MessageInfo")
-from course_kit.ros_graph import graph
+from course_kit.ros.graph import graph
 print(discovery.of(node).wait(0.5), [name.full_name for name in graph.nodes(node)])
 discovery.forget(node)
 """
@@ -131,7 +131,7 @@ discovery.forget(node)
 def test_beside_a_rmw_of_another_series_log_lines_go_by_the_name_of_the_node():
     code = """
 rmw_parts.SERIES["rmw"] = "7.4."
-from course_kit.examining.station import Station
+from course_kit.ros.observing.station import Station
 from tests.waiting import wait_until
 station = Station(None, only_here=False)
 log = station.node_log()

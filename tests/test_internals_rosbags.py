@@ -12,11 +12,11 @@ from rosbags.interfaces import Connection
 from rosbags.rosbag2 import Reader, storage_mcap, storage_sqlite3
 from rosbags.rosbag2.metadata import dump_qos_v9
 
-from course_kit import bags
-from course_kit.bags.files import opened
-from course_kit.bags.metadata import profiles_of
-from course_kit.bags.qos import recorded
-from course_kit.bags.writer import BagWriter
+from course_kit.lab import bags
+from course_kit.lab.bags.files import opened
+from course_kit.lab.bags.metadata import profiles_of
+from course_kit.lab.bags.qos import recorded
+from course_kit.lab.bags.writer import BagWriter
 
 STORAGES = ("mcap", "sqlite3")
 ENDINGS = {"mcap": "mcap", "sqlite3": "db3"}
@@ -93,7 +93,7 @@ def test_the_command_says_in_one_line_what_does_not_work(tmp_path: Path, part: s
     words = ["bag", "record", "-o", "x", "--all", "--disable-keyboard-controls"]
     code = (
         f"from rosbags.rosbag2 import storage_mcap\ndel {owner}.{part}\n"
-        f"from course_kit.ros2 import command\nraise SystemExit(command.run({words}))"
+        f"from course_kit.cli.ros2 import command\nraise SystemExit(command.run({words}))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=tmp_path)
     assert done.returncode == 1

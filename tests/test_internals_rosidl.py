@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from std_msgs.msg import UInt8
 
-from course_kit.internals.rosidl_parts import check_fields
+from course_kit.ros.internals.rosidl_parts import check_fields
 
 
 def test_a_message_checks_its_fields_as_it_is_told():

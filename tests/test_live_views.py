@@ -17,10 +17,10 @@ from rclpy.node import Node
 from geometry_msgs.msg import PoseStamped
 from turtlesim.msg import Pose
 from course_kit import run, stop
-from course_kit.live.rates import watch_rates
-from course_kit.live.resources import watch_resources
-from course_kit.live.values import watch_values
-from course_kit.live.logs import watch_logs
+from course_kit import watch_rates
+from course_kit import watch_resources
+from course_kit import watch_values
+from course_kit import watch_logs
 
 class Robot(Node):
     def __init__(self):
@@ -160,7 +160,7 @@ def test_the_console_of_a_node_says_why_it_stands_still_and_goes_on(kernel: Kern
         "        self.create_timer(0.05, lambda: self.get_logger().info('still here'))\nsecond = run(Second)"
     )
     kernel.until(lambda: "still here" in of_view(kernel, cell), 20)
-    kernel.run("from course_kit.live import console\nconsole._consoles['/second'].state = 'unheard of'")
+    kernel.run("from course_kit.views.live import console\nconsole._consoles['/second'].state = 'unheard of'")
     kernel.until(lambda: "stands still: KeyError: " in of_view(kernel, cell), 20)
     kernel.run("console._consoles['/second'].state = 'running'")
     kernel.until(lambda: "still here" in of_view(kernel, cell), 20)
@@ -170,7 +170,7 @@ def test_the_console_of_a_node_says_why_it_stands_still_and_goes_on(kernel: Kern
 def test_the_console_of_a_stopped_node_does_not_show_what_another_node_of_its_name_says(kernel: Kernel) -> None:
     cell = kernel.run("second = run(Node, 'second')\nsecond.get_logger().info('its own')\nstop(second)")
     kernel.until(lambda: "its own" in of_view(kernel, cell) and "stopped" in of_view(kernel, cell), 20)
-    kernel.run("from course_kit import logs\nfrom course_kit.live import console\nother = Node('second')")
+    kernel.run("from course_kit import logs\nfrom course_kit.views.live import console\nother = Node('second')")
     kernel.run("other.get_logger().info('a namesake')\nother.get_logger().info('and again')")
     # When the second line is there, the first has been handled.
     kernel.until(lambda: kernel.value("len(logs('second', text='and again'))") == "1", 20)
@@ -194,7 +194,7 @@ def test_a_bad_path_and_the_end_of_ros_are_survived(kernel: Kernel) -> None:
     (error,) = [m["content"] for m in kernel.of(cell) if m["msg_type"] == "error"]
     assert error["ename"] == "ValueError" and "Did you mean '/turtle1/pose.x'?" in error["evalue"]
     kernel.run("view = watch_rates(period=0.1); panel = watch_logs(); used = watch_resources(period=0.1)")
-    kernel.run("from course_kit.spinning import context; context.stop()", 30)
+    kernel.run("from course_kit.ros.spinning import context; context.stop()", 30)
     assert kernel.value("view.is_running, used.is_running") == "False False"
 
 

@@ -11,14 +11,14 @@ import pytest
 from rclpy.logging import LoggingSeverity, set_logger_level
 from rclpy.node import Node
 
-from course_kit.background import running
-from course_kit.background.log_levels import log_level, set_log_level
-from course_kit.launching.output import log_folder
-from course_kit.node_logs import rosout
-from course_kit.node_logs.log_directory import log_files, parse
-from course_kit.programs import processes
-from course_kit.programs.child_process import Process
-from course_kit.spinning import context
+from course_kit.base.programs import processes
+from course_kit.base.programs.child_process import Process
+from course_kit.lab.background import running
+from course_kit.lab.background.log_levels import log_level, set_log_level
+from course_kit.lab.node_logs import rosout
+from course_kit.lab.node_logs.log_directory import log_files, parse
+from course_kit.ros.log_folder import log_folder
+from course_kit.ros.spinning import context
 from tests.waiting import wait_until
 
 PROGRAM = [sys.executable, str(Path(__file__).with_name("plain_node.py"))]

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.recordings.measure import ArrivalWindow, measure, rate_over_time, spread
-from course_kit.recordings.meters import Rates, measure_rates, rates
-from course_kit.spinning import context
+from course_kit.lab.recordings.measure import ArrivalWindow, measure, rate_over_time, spread
+from course_kit.lab.recordings.meters import Rates, measure_rates, rates
+from course_kit.ros.spinning import context
 from tests.senders import Sender
 from tests.waiting import wait_until
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from course_kit.navigation.localization import ParticleFilter
-from course_kit.navigation.places import Place, after
-from course_kit.robot.world import Pillar
-from course_kit.robot.worlds import world
+from course_kit.robots.navigation.localization import ParticleFilter
+from course_kit.robots.navigation.places import Place, after
+from course_kit.robots.robot.world import Pillar
+from course_kit.robots.robot.worlds import world
 from tests.crossing import ANGLES, LASER, cross, errors, rightness, true_map
 from tests.test_navigation_maps import ROOM, scan
 

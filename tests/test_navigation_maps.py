@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.navigation.grid import Grid
-from course_kit.navigation.grid_map import UNKNOWN, GridMap
-from course_kit.navigation.places import Floats, Place, after, between, hits, inverse, moved
-from course_kit.navigation.scan_matching import Slam, Walls, match
-from course_kit.robot.world import Pillar, Wall, World
+from course_kit.robots.navigation.grid import Grid
+from course_kit.robots.navigation.grid_map import UNKNOWN, GridMap
+from course_kit.robots.navigation.places import Floats, Place, after, between, hits, inverse, moved
+from course_kit.robots.navigation.scan_matching import Slam, Walls, match
+from course_kit.robots.robot.world import Pillar, Wall, World
 from tests.crossing import ANGLES, NOISE, errors, rightness, true_map
 
 LONGEST = 3.5

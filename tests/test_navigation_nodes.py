@@ -29,9 +29,11 @@ from std_srvs.srv import Empty
 from tf2_ros import StaticTransformBroadcaster
 
 from course_kit import run, stop
-from course_kit.navigation import Localizer, Mapper, Navigator, Planner, planning
-from course_kit.navigation.grid_map import GridMap
-from course_kit.navigation.messages import (
+from course_kit.robots.navigation import planning
+from course_kit.robots.navigation.grid_map import GridMap
+from course_kit.robots.navigation.localizer import Localizer
+from course_kit.robots.navigation.mapper import Mapper
+from course_kit.robots.navigation.messages import (
     LATCHED,
     heading,
     map_message,
@@ -44,12 +46,13 @@ from course_kit.navigation.messages import (
     stamped_pose,
     transform_of,
 )
-from course_kit.navigation.navigator import TF_ERROR, TIMEOUT
-from course_kit.navigation.places import Place, after
-from course_kit.programs import packages
-from course_kit.robot import Robot
-from course_kit.robot.world import Pillar, Wall, World
-from course_kit.robot.worlds import world
+from course_kit.robots.navigation.navigator import TF_ERROR, TIMEOUT, Navigator
+from course_kit.robots.navigation.places import Place, after
+from course_kit.robots.navigation.planner import Planner
+from course_kit.robots.robot.node import Robot
+from course_kit.robots.robot.world import Pillar, Wall, World
+from course_kit.robots.robot.worlds import world
+from course_kit.ros import packages
 from tests.crossing import errors, rightness, true_map
 from tests.waiting import wait_until
 
@@ -116,7 +119,7 @@ def result(handle: ClientGoalHandle) -> tuple[int, NavigateToPose.Result]:
 
 @pytest.fixture
 def station(monkeypatch: pytest.MonkeyPatch) -> Iterator[Station]:
-    monkeypatch.setattr("course_kit.navigation.navigator.ANSWER", PATIENCE)
+    monkeypatch.setattr("course_kit.robots.navigation.navigator.ANSWER", PATIENCE)
     yield run(Station)
     stop()
 
@@ -279,7 +282,7 @@ def test_a_goal_that_cannot_be_is_aborted_with_the_reason(
 
 
 def test_without_a_planner_it_says_so(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("course_kit.navigation.navigator.ANSWER", 3.0)
+    monkeypatch.setattr("course_kit.robots.navigation.navigator.ANSWER", 3.0)
     robot = start_robot(EMPTY)
     run(Mapper, parameter_overrides=simulated(initial_pose=list(robot.world.start)))
     navigator = run(Navigator, parameter_overrides=simulated())
@@ -322,7 +325,7 @@ class Loser(Node):
 def test_a_planner_is_asked_again_and_the_first_answer_counts(
     station: Station, monkeypatch: pytest.MonkeyPatch, loses_the_first: bool
 ) -> None:
-    monkeypatch.setattr("course_kit.navigation.navigator.LOST", 0.5)
+    monkeypatch.setattr("course_kit.robots.navigation.navigator.LOST", 0.5)
     robot = start_robot(replace(EMPTY, start=(1.0, 1.0, 0.0)))
     run(Mapper, parameter_overrides=simulated(initial_pose=list(robot.world.start)))
     planner = run(Loser, loses_the_first=loses_the_first, parameter_overrides=simulated())
@@ -360,7 +363,7 @@ def test_a_plan_is_asked_for_by_service_and_one_without_poses_is_none(station: S
 def test_a_goal_waits_for_tf_and_for_who_listens_to_its_plan(
     station: Station, monkeypatch: pytest.MonkeyPatch, late: str
 ) -> None:
-    monkeypatch.setattr("course_kit.navigation.planner.WAIT", PATIENCE)
+    monkeypatch.setattr("course_kit.robots.navigation.planner.WAIT", PATIENCE)
     station.destroy_subscription(next(one for one in station.subscriptions if one.topic_name == "/plan"))
     station.publish_map(true_map(EMPTY))
     planner = run(Planner, parameter_overrides=simulated())

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from course_kit.navigation import planning
-from course_kit.navigation.grid_map import UNKNOWN, GridMap
-from course_kit.navigation.journey import FAILED_TO_MAKE_PROGRESS, Journey
-from course_kit.navigation.places import Floats, Place, after, wrapped
-from course_kit.navigation.planning import CostMap, PlanError, plan, shortest
-from course_kit.navigation.pursuit import Limits, Pursuit, room_ahead
+from course_kit.robots.navigation import planning
+from course_kit.robots.navigation.grid_map import UNKNOWN, GridMap
+from course_kit.robots.navigation.journey import FAILED_TO_MAKE_PROGRESS, Journey
+from course_kit.robots.navigation.places import Floats, Place, after, wrapped
+from course_kit.robots.navigation.planning import CostMap, PlanError, plan, shortest
+from course_kit.robots.navigation.pursuit import Limits, Pursuit, room_ahead
 
 SIDE, RADIUS = 0.05, 0.145
 LIMITS = Limits()

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from course_kit.examining.domains import STAGES
-from course_kit.internals.fastdds_parts import participant_ports
+from course_kit.exercises.domains import STAGES
+from course_kit.ros.internals.fastdds_parts import participant_ports
 from tests.benchmark.child import PROFILES
 
 HERE, THERE = "10.77.0.1", "10.77.0.2"
@@ -30,7 +30,7 @@ pytestmark = [
 VICTIM = """
 import os, sys
 from course_kit import check, run, start, wait_for
-from course_kit.turtlesim import TurtleSim
+from course_kit import TurtleSim
 run(TurtleSim)
 program = start("ros2 run turtlesim turtlesim_node --ros-args -r __ns:=/started")
 echo = start("ros2 topic echo /started/turtle1/pose turtlesim/msg/Pose")

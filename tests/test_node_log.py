@@ -8,10 +8,10 @@ from collections.abc import Collection, Iterator
 import pytest
 from rclpy.node import Node
 
-from course_kit.examining import node_log
-from course_kit.examining.node_log import NodeLog
-from course_kit.examining.station import Station
-from course_kit.spinning import context
+from course_kit.ros.observing import node_log
+from course_kit.ros.observing.node_log import NodeLog
+from course_kit.ros.observing.station import Station
+from course_kit.ros.spinning import context
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")

@@ -16,10 +16,10 @@ import nbformat
 import pytest
 from jupyter_client.kernelspec import get_kernel_spec
 
-from course_kit.environment.notebook import START
-from course_kit.grading import master
-from course_kit.grading.definitions import definitions
-from course_kit.grading.release import KEPT_EMPTY
+from course_kit.classroom.release import KEPT_EMPTY
+from course_kit.exercises.notebooks import reference
+from course_kit.exercises.notebooks.definitions import definitions
+from course_kit.setup.environment.notebook import START
 from tests.lab import CHROMIUM
 
 ROOT = Path(__file__).parents[1]
@@ -101,7 +101,7 @@ def is_kept_empty(cell: nbformat.NotebookNode) -> bool:
 
 @of_each
 def test_each_saved_console_is_known_to_be_one(path):
-    """So that JupyterLab shows none as that of a node that runs, as course_kit/live/shown.py has it."""
+    """So that JupyterLab shows none as that of a node that runs, as course_kit/views/live/shown.py has it."""
     for cell in nbformat.read(path, 4).cells:
         for output in cell.get("outputs", []):
             if "course-kit-console" in output.get("data", {}).get("text/html", ""):
@@ -179,14 +179,16 @@ def test_every_exercise_has_a_cell_for_its_answer_and_one_that_checks_it(path):
 
 @of_each
 def test_what_is_graded_is_what_the_chapter_says(path):
-    """After a change of a chapter: python -m course_kit.grading.master."""
-    assert (master.MASTERS / path.name).read_text() == master.stripped(nbformat.read(path, as_version=4))
+    """After a change of a chapter: python -m course_kit.exercises.notebooks.reference."""
+    assert (reference.MASTERS / path.name).read_text() == reference.stripped(nbformat.read(path, as_version=4))
 
 
 @of_each
 def test_every_cell_that_defines_something_is_marked_for_grading(path):
     """An answer may build on it; but for what imports packages that a student has built meanwhile."""
-    unmarked = [c.id for c in cells(path) if c.cell_type == "code" and not master.mark_of(c) and definitions(c.source)]
+    unmarked = [
+        c.id for c in cells(path) if c.cell_type == "code" and not reference.mark_of(c) and definitions(c.source)
+    ]
     assert set(unmarked) <= {"workspace-interfaces-imported", "services-own-server"}
 
 

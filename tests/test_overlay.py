@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.colcon import built, console_scripts, overlay, regular_files, sourcing
-from course_kit.environment.activation import PATH_VARIABLES, split_paths
+from course_kit.setup.colcon import built, console_scripts, overlay, regular_files, sourcing
+from course_kit.setup.environment.activation import PATH_VARIABLES, split_paths
 from tests import packages
 
 pytestmark = [pytest.mark.cpu_bound, pytest.mark.by_turns("builds of packages")]

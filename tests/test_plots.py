@@ -20,14 +20,14 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit.figures import AMBER, COLOURS, FAINT, INK, PANEL, PAPER, SKY, as_ink, contrast
-from course_kit.recordings import tracks
-from course_kit.recordings.buffers import MessageBuffer
-from course_kit.recordings.meters import measure_rates
-from course_kit.recordings.plots import plot_pose, plot_rates
-from course_kit.recordings.recording import Recording, record
-from course_kit.recordings.topic_recording import TopicRecording
-from course_kit.spinning import context
+from course_kit.base.figures import AMBER, COLOURS, FAINT, INK, PANEL, PAPER, SKY, as_ink, contrast
+from course_kit.lab.recordings import tracks
+from course_kit.lab.recordings.buffers import MessageBuffer
+from course_kit.lab.recordings.meters import measure_rates
+from course_kit.lab.recordings.plots import plot_pose, plot_rates
+from course_kit.lab.recordings.recording import Recording, record
+from course_kit.lab.recordings.topic_recording import TopicRecording
+from course_kit.ros.spinning import context
 from tests.kernel import Kernel
 from tests.senders import Sender
 from tests.waiting import wait_until
@@ -241,8 +241,8 @@ def test_a_cell_that_ends_in_a_plot_shows_it_once_and_one_that_does_not_shows_no
     kernel = Kernel()
     try:
         kernel.run(
-            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit.polling import wait_until\n"
-            "from course_kit.recordings.recording import record\nfrom course_kit.recordings.plots import plot_rates"
+            "from rclpy.node import Node\nfrom std_msgs.msg import String\nfrom course_kit import plot_rates, record\n"
+            "from course_kit.base.polling import wait_until"
         )
         assert pictures(kernel, kernel.run(CELL + "plot_rates(recording)")) == ["image/png"]
         assert pictures(kernel, kernel.run("figure = plot_rates(recording)")) == []

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 from course_kit import start, stop, wait_for
-from course_kit.programs import processes
-from course_kit.programs.process_output import LONGEST_LINE, LineCutter, as_seen
+from course_kit.base.programs import processes
+from course_kit.base.programs.process_output import LONGEST_LINE, LineCutter, as_seen
 from tests.kernel import Kernel
 from tests.ros2_launches import is_alive, none_left
 from tests.waiting import wait_until

@@ -13,15 +13,16 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook, new_output
 
-from course_kit import long_tasks
-from course_kit.colcon.colcon_output import queued
-from course_kit.long_tasks import LongTask, long_task
+from course_kit.base import long_tasks
+from course_kit.base.long_tasks import LongTask, long_task
+from course_kit.setup.colcon.colcon_output import queued
 from tests.kernel import Kernel, Message
 
 pytestmark = pytest.mark.by_turns("many nodes and programs")
 
 SET_UP = (
-    "import time\nfrom course_kit import bags, record, run, wait_for\nfrom course_kit.long_tasks import long_task\n"
+    "import time\nfrom course_kit import bags, record, run, wait_for\n"
+    "from course_kit.base.long_tasks import long_task\n"
     "from rclpy.node import Node\nfrom std_msgs.msg import String\n"
     "class Talker(Node):\n    def __init__(self):\n        super().__init__('talker')\n"
     "        self.said = self.create_publisher(String, '/said', 10)\n"

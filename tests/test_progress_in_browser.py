@@ -17,7 +17,7 @@ pytestmark = [
     pytest.mark.timeout(300),
 ]
 CELLS = {
-    "start": "import time\nfrom course_kit import wait_for\nfrom course_kit.long_tasks import long_task",
+    "start": "import time\nfrom course_kit import wait_for\nfrom course_kit.base.long_tasks import long_task",
     "wait": "import os\ngone = False\nprint('begun')\nwait_for(lambda: os.path.exists('gone'), 300, what='the file')",
     "steps": "with long_task('colcon build', unit='packages') as task:\n    while not os.path.exists('gone'):\n"
     "        time.sleep(0.1)\n    task.done, task.total = 1, 4\n    wait_for(lambda: not os.path.exists('gone'), 300)",

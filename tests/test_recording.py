@@ -17,13 +17,13 @@ from sensor_msgs.msg import Image, LaserScan
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit.background import running
-from course_kit.recordings import fields
-from course_kit.recordings.buffers import MessageBuffer
-from course_kit.recordings.recording import Recording, RecordingTimeout, record
-from course_kit.recordings.topic_recording import TopicRecording
-from course_kit.spinning import context
-from course_kit.watching import instruments
+from course_kit.lab.background import running
+from course_kit.lab.recordings import fields
+from course_kit.lab.recordings.buffers import MessageBuffer
+from course_kit.lab.recordings.recording import Recording, RecordingTimeout, record
+from course_kit.lab.recordings.topic_recording import TopicRecording
+from course_kit.ros.spinning import context
+from course_kit.ros.watching import instruments
 from tests.senders import DIGITS, PLACES, Sender
 from tests.waiting import interrupted_when, wait_until
 
@@ -287,8 +287,8 @@ def test_a_recording_survives_rclpy_shutdown_with_what_it_has() -> None:
 import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
-from course_kit.recordings.recording import record
-from course_kit.polling import wait_until
+from course_kit import record
+from course_kit.base.polling import wait_until
 recording = record('/program', String)
 publisher = Node('talker').create_publisher(String, '/program', 10)
 publisher.publish(String(data='x'))

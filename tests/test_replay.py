@@ -20,15 +20,15 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from turtlesim.msg import Pose
 
-from course_kit import bags
-from course_kit.background import running
-from course_kit.bags.writer import BagWriter
-from course_kit.recordings.recording import record
-from course_kit.replays.replay_plots import plot_comparison
-from course_kit.replays.replayed import Replayed, compare
-from course_kit.replays.replaying import replay
-from course_kit.series.value_series import values
-from course_kit.spinning import context
+from course_kit.lab import bags
+from course_kit.lab.background import running
+from course_kit.lab.bags.writer import BagWriter
+from course_kit.lab.recordings.recording import record
+from course_kit.lab.replays.replay_plots import plot_comparison
+from course_kit.lab.replays.replayed import Replayed, compare
+from course_kit.lab.replays.replaying import replay
+from course_kit.lab.series.value_series import values
+from course_kit.ros.spinning import context
 from tests.waiting import wait_until
 
 SECOND = 10**9

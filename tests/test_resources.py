@@ -16,17 +16,17 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.background import running
-from course_kit.internals.fastdds_parts import Origin
-from course_kit.programs import processes
-from course_kit.programs.child_process import Process
-from course_kit.recordings.meters import measure_rates
-from course_kit.resources import processes_with_nodes, resource_recording
-from course_kit.resources.processes_with_nodes import NOTEBOOK, listens
-from course_kit.resources.resource_plots import plot_resources
-from course_kit.resources.resource_recording import record_resources
-from course_kit.spinning import context
-from course_kit.watching import instruments
+from course_kit.base.programs import processes
+from course_kit.base.programs.child_process import Process
+from course_kit.lab.background import running
+from course_kit.lab.recordings.meters import measure_rates
+from course_kit.lab.resources import processes_with_nodes, resource_recording
+from course_kit.lab.resources.processes_with_nodes import NOTEBOOK, listens
+from course_kit.lab.resources.resource_plots import plot_resources
+from course_kit.lab.resources.resource_recording import record_resources
+from course_kit.ros.internals.fastdds_parts import Origin
+from course_kit.ros.spinning import context
+from course_kit.ros.watching import instruments
 from tests.waiting import wait_until
 
 PROGRAM = [sys.executable, str(Path(__file__).with_name("plain_node.py"))]
@@ -105,8 +105,8 @@ def test_what_is_not_known_is_said(busy: Process, origin: Origin, answer: tuple[
     ("words", "program"),
     [
         (["/usr/bin/python3", "/opt/ros/jazzy/lib/demo/talker", "--ros-args"], "talker"),
-        (["python", "-m", "course_kit.turtlesim", "turtlesim_node"], "turtlesim_node"),
-        (["python", "-m", "course_kit.turtlesim", "--ros-args"], "turtlesim"),
+        (["python", "-m", "course_kit.robots.turtlesim", "turtlesim_node"], "turtlesim_node"),
+        (["python", "-m", "course_kit.robots.turtlesim", "--ros-args"], "turtlesim"),
         (["python3.11", "-u", "-m", "my_package.main", "x"], "my_package.main"),
         (["/opt/ros/jazzy/lib/demo_nodes_cpp/talker", "-r", "x"], "talker"),
         (["python", "-c", "pass"], "python"),

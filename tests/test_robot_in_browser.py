@@ -24,7 +24,7 @@ import math
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from rclpy.node import Node
 from course_kit import run, show_robot
-from course_kit.robot import Robot
+from course_kit import Robot
 
 class Navigator(Node):
     def __init__(self):

@@ -30,12 +30,12 @@ from tf2_msgs.msg import TFMessage
 from tf2_ros import Buffer, TransformBroadcaster, TransformListener
 
 from course_kit import run, stop
-from course_kit.interface_types import type_name
-from course_kit.programs import packages
-from course_kit.robot import Robot, shape, sharing
-from course_kit.robot.node import CLOCK_BREAK
-from course_kit.robot.simulation import TICK_NS
-from course_kit.robot.world import Wall, World
+from course_kit.robots.robot import shape, sharing
+from course_kit.robots.robot.node import CLOCK_BREAK, Robot
+from course_kit.robots.robot.simulation import TICK_NS
+from course_kit.robots.robot.world import Wall, World
+from course_kit.ros import packages
+from course_kit.ros.interface_types import type_name
 from tests.waiting import wait_until
 
 pytestmark = [
@@ -453,7 +453,7 @@ def test_the_picture_has_all_robots(observer: Observer) -> None:
 
 
 def program(*parameters: str) -> subprocess.Popen[str]:
-    """`ros2 run course_robot robot`, which starts `python -m course_kit.robot`."""
+    """`ros2 run course_robot robot`, which starts `python -m course_kit.robots.robot`."""
     words = [word for parameter in parameters for word in ("-p", parameter)]
     (executable,) = packages.executables("course_robot")
     assert executable.name == "robot"

@@ -13,13 +13,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from course_kit.environment import pins
-from course_kit.robot import shape
-from course_kit.robot.drive import Odometry, wheel_rates
-from course_kit.robot.model import GRIP
-from course_kit.robot.physics import ANGLES, Physics
-from course_kit.robot.world import Pillar, Place, World
-from course_kit.robot.worlds import line, world
+from course_kit.robots.robot import shape
+from course_kit.robots.robot.drive import Odometry, wheel_rates
+from course_kit.robots.robot.model import GRIP
+from course_kit.robots.robot.physics import ANGLES, Physics
+from course_kit.robots.robot.world import Pillar, Place, World
+from course_kit.robots.robot.worlds import line, world
+from course_kit.setup.environment import pins
 
 GRAVITY = 9.81  # m/s²
 PLAIN = World("plain", (), (), (0.0, 0.0, 0.0), ())

@@ -10,12 +10,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from course_kit.robot import shape, sharing
-from course_kit.robot.description import urdf
-from course_kit.robot.picture import Cells, Seen, draw, scale_of
-from course_kit.robot.simulation import MAKES_UP, TICK, Simulation
-from course_kit.robot.vehicle import BEHIND, SILENT, Vehicle
-from course_kit.robot.world import Pillar, Wall, World
+from course_kit.robots.robot import shape, sharing
+from course_kit.robots.robot.description import urdf
+from course_kit.robots.robot.picture import Cells, Seen, draw, scale_of
+from course_kit.robots.robot.simulation import MAKES_UP, TICK, Simulation
+from course_kit.robots.robot.vehicle import BEHIND, SILENT, Vehicle
+from course_kit.robots.robot.world import Pillar, Wall, World
 from tests.waiting import TIMEOUT, wait_until
 
 BOX = World(

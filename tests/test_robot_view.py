@@ -24,8 +24,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from tf2_msgs.msg import TFMessage
 from course_kit import run, start, stop
-from course_kit.live.robot import show_robot
-from course_kit.robot import Robot
+from course_kit import show_robot
+from course_kit import Robot
 
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -200,7 +200,7 @@ class Mapper(Node):
         self.plans.publish(path)
         self.clouds.publish(cloud)
 
-from course_kit.navigation.places import after, inverse
+from course_kit import after, inverse
 mapper = run(Mapper)
 """
 
@@ -219,7 +219,7 @@ def test_map_plan_and_particles_are_drawn_where_transforms_have_them(kernel: Ker
 
 def test_a_robot_in_another_process_is_seen_by_its_topics_and_its_map(kernel: Kernel) -> None:
     kernel.run(
-        "other = start('python -m course_kit.robot --ros-args -r __ns:=/robot2 -p world:=empty -p seed:=5')",
+        "other = start('python -m course_kit.robots.robot --ros-args -r __ns:=/robot2 -p world:=empty -p seed:=5')",
     )
     view = Shown(kernel, "'/robot2'")
     kernel.until(lambda: view.last("robots")[0]["robots"], 40.0)
@@ -262,7 +262,7 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     view.last("hits")
     content = {"comm_id": tab, "target_name": "course_kit.views", "data": {"looks": False}}
     channel.send(session.msg("comm_open", content))
-    kernel.until(lambda: kernel.value("__import__('course_kit.live.tabs').live.tabs.somebody_looks()") == "False")
+    kernel.until(lambda: kernel.value("__import__('course_kit.views.live.tabs').live.tabs.somebody_looks()") == "False")
     kernel.until(lambda: kernel.value("time.monotonic() - view._shown_at > 1.0") == "True")  # so all is sent anew
     before, began_at = len(view.said("layers")), numbers(kernel, "place()")[0]
     kernel.run("driver.linear = 0.1")
@@ -274,7 +274,7 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     trail = np.frombuffer(view.last("trail")[1], np.float32).reshape(-1, 2)
     assert view.layers("trail")[-1][0]["from"] == 0 or len(trail) > 0  # what it has driven meanwhile
     channel.send(session.msg("comm_close", {"comm_id": tab, "data": {}}))
-    kernel.run("view.stop(); driver.linear = 0.0; from course_kit.live import tabs; tabs._looking.clear()")
+    kernel.run("view.stop(); driver.linear = 0.0; from course_kit.views.live import tabs; tabs._looking.clear()")
 
 
 def test_the_same_robot_is_shown_once(kernel: Kernel, view: Shown) -> None:

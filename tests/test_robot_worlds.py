@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from course_kit.robot.shape import LONGEST, RADIUS
-from course_kit.robot.world import Pillar, Wall, World
-from course_kit.robot.worlds import NAMES, world
+from course_kit.robots.robot.shape import LONGEST, RADIUS
+from course_kit.robots.robot.world import Pillar, Wall, World
+from course_kit.robots.robot.worlds import NAMES, world
 
 SEEDS = (1, 2, 3, 20, 58)
 START = (0.0, 0.0, 0.0)
@@ -173,7 +173,7 @@ def test_a_seed_gives_one_world(name: str) -> None:
 
 
 def test_a_seed_gives_the_same_world_in_another_process() -> None:
-    code = "from course_kit.robot.worlds import world; print(world('office', 5))"
+    code = "from course_kit import world; print(world('office', 5))"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True).stdout
     assert said.strip() == str(world("office", 5))
 
@@ -195,5 +195,5 @@ def test_other_worlds_are_refused_in_a_line(name: str, seed: int | None, says: s
 
 
 def test_importing_the_worlds_loads_nothing_heavy() -> None:
-    code = "import sys, course_kit.robot.worlds; sys.exit(bool({'rclpy', 'mujoco', 'scipy'} & set(sys.modules)))"
+    code = "import sys, course_kit.robots.robot.worlds; sys.exit(bool({'rclpy', 'mujoco', 'scipy'} & set(sys.modules)))"
     assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0

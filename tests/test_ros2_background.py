@@ -40,7 +40,7 @@ def kernel_in(folder: Path) -> Iterator[Kernel]:
     with own_domain(), pytest.MonkeyPatch.context() as patch:
         for name, value in prefix.environment.items():
             patch.setenv(name, value)
-        with kernel_after("from course_kit import stop\nfrom course_kit.programs import processes") as kernel:
+        with kernel_after("from course_kit import stop\nfrom course_kit.base.programs import processes") as kernel:
             yield kernel
 
 

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 
 import pytest
 
-from course_kit.background.running import run as start
-from course_kit.background.running import stop
-from course_kit.ros2 import command
-from course_kit.turtlesim import TurtleSim
+from course_kit.cli.ros2 import command
+from course_kit.lab.background.running import run as start
+from course_kit.lab.background.running import stop
+from course_kit.robots.turtlesim.node import TurtleSim
 from tests.domains import own_domain
 from tests.kernel import Kernel
 from tests.ros2_bad_calls import CALLS
@@ -79,7 +79,7 @@ def run(words: list[str]) -> tuple[int, float]:
 IN_A_NOTEBOOK = """
 import contextlib, io, shlex
 from course_kit import run
-from course_kit.turtlesim import TurtleSim
+from course_kit import TurtleSim
 from tests.ros2_bad_calls import CALLS
 
 turtle, said, magic = run(TurtleSim), [], get_ipython().run_line_magic

@@ -17,13 +17,13 @@ from typing import Any
 
 import pytest
 
-from course_kit import bags
-from course_kit.bags import files as bag_files
-from course_kit.bags.files import BagInfo, BagTopic
-from course_kit.bags.writer import BagWriter
-from course_kit.ros2.bag import text
-from course_kit.spinning import context
-from course_kit.watching import instruments, topics
+from course_kit.cli.ros2.bag import text
+from course_kit.lab import bags
+from course_kit.lab.bags import files as bag_files
+from course_kit.lab.bags.files import BagInfo, BagTopic
+from course_kit.lab.bags.writer import BagWriter
+from course_kit.ros.spinning import context
+from course_kit.ros.watching import instruments, topics
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND, ros2
 from tests.ros2_running import Running

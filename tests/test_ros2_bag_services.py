@@ -16,9 +16,9 @@ from rclpy.serialization import deserialize_message
 from rclpy.service_introspection import ServiceIntrospectionState
 from service_msgs.msg import ServiceEventInfo
 
-from course_kit import bags
-from course_kit.background.running import run, stop
-from course_kit.watching import clients, instruments
+from course_kit.lab import bags
+from course_kit.lab.background.running import run, stop
+from course_kit.ros.watching import clients, instruments
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import pytest
 import rclpy
 
-from course_kit.polling import wait_until
-from course_kit.ros2.command import run
+from course_kit.base.polling import wait_until
+from course_kit.cli.ros2.command import run
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 from tests.waiting import TIMEOUT
@@ -185,7 +185,7 @@ def late():
     return Future()
 
 rclpy.action.client.Future = late
-from course_kit.ros2.command import main
+from course_kit.cli.ros2.command import main
 main()
 """
 

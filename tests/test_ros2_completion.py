@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.interface_types import message_class
-from course_kit.polling import wait_until
-from course_kit.ros2.interface.field_completion import Fillable, continuations
-from course_kit.ros2.interface.interface import definition, types
-from course_kit.ros2.messages.values import parse, populate
-from course_kit.ros2.messages.yaml_text import to_dict
-from course_kit.spinning import context
-from course_kit.watching import instruments
+from course_kit.base.polling import wait_until
+from course_kit.cli.ros2.interface.field_completion import Fillable, continuations
+from course_kit.cli.ros2.interface.interface import definition, types
+from course_kit.cli.ros2.messages.values import parse, populate
+from course_kit.cli.ros2.messages.yaml_text import to_dict
+from course_kit.ros.interface_types import message_class
+from course_kit.ros.spinning import context
+from course_kit.ros.watching import instruments
 from tests.ros2_command import COMMAND, program
 from tests.terminal import Terminal
 
@@ -113,7 +113,7 @@ def test_fields_are_offered_without_ros_and_without_numpy(tmp_path):
     log = tmp_path / "imports"
     assert completions(f"{TWIST} '{{li", tmp_path, "-X", "importtime", log=log)
     loaded = {line.rsplit("|", 1)[1].strip() for line in log.read_text().splitlines() if "|" in line}
-    assert "course_kit.ros2.interface.field_completion" in loaded
+    assert "course_kit.cli.ros2.interface.field_completion" in loaded
     assert not loaded & {"rclpy", "numpy", "geometry_msgs"}
 
 

@@ -13,9 +13,9 @@ from types import SimpleNamespace
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from course_kit.programs import packages
-from course_kit.ros2.doctor import checks, doctor, report
-from course_kit.ros2.doctor.checks import Pair, System, Topic
+from course_kit.cli.ros2.doctor import checks, doctor, report
+from course_kit.cli.ros2.doctor.checks import Pair, System, Topic
+from course_kit.ros import packages
 from tests.ros2_command import ros2
 from tests.senders import Sender
 

@@ -15,12 +15,12 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from course_kit.ros2.command import run
-from course_kit.ros2.messages.yaml_text import Shown
-from course_kit.ros2.topic import endpoints
-from course_kit.ros2.topic.echo_text import expression, lost_text, message_text, selector
-from course_kit.ros2.verbs import CommandError, did_you_mean
-from course_kit.watching import instruments
+from course_kit.cli.ros2.command import run
+from course_kit.cli.ros2.messages.yaml_text import Shown
+from course_kit.cli.ros2.topic import endpoints
+from course_kit.cli.ros2.topic.echo_text import expression, lost_text, message_text, selector
+from course_kit.cli.ros2.verbs import CommandError, did_you_mean
+from course_kit.ros.watching import instruments
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until

@@ -17,10 +17,11 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.service_introspection import ServiceIntrospectionState
 
-from course_kit.background.running import running
-from course_kit.ros2.command import COMMANDS
-from course_kit.ros2.examples import EXAMPLES
-from course_kit.turtlesim import Laser, TurtleSim
+from course_kit.cli.ros2.command import COMMANDS
+from course_kit.cli.ros2.examples import EXAMPLES
+from course_kit.lab.background.running import running
+from course_kit.robots.turtlesim.laser import Laser
+from course_kit.robots.turtlesim.node import TurtleSim
 from tests.terminal import CTRL_C, Terminal
 from tests.test_ros2_help import parser_of, parsers_below
 

@@ -15,17 +15,17 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import ByteMultiArray, String
 
-from course_kit.bags import qos
-from course_kit.interface_types import steps
-from course_kit.ros2 import command, verbs
-from course_kit.ros2.interface.interface import path
-from course_kit.ros2.launch.launch import parse_arguments
-from course_kit.ros2.messages.arguments import checked_name, checked_node_name, interface_class
-from course_kit.ros2.messages.values import NotYaml, parse, populate
-from course_kit.ros2.param.param import with_value
-from course_kit.ros2.topic import endpoints
-from course_kit.ros2.topic.echo_text import expression, selector
-from course_kit.ros2.verbs import CommandError
+from course_kit.cli.ros2 import command, verbs
+from course_kit.cli.ros2.interface.interface import path
+from course_kit.cli.ros2.launch.launch import parse_arguments
+from course_kit.cli.ros2.messages.arguments import checked_name, checked_node_name, interface_class
+from course_kit.cli.ros2.messages.values import NotYaml, parse, populate
+from course_kit.cli.ros2.param.param import with_value
+from course_kit.cli.ros2.topic import endpoints
+from course_kit.cli.ros2.topic.echo_text import expression, selector
+from course_kit.cli.ros2.verbs import CommandError
+from course_kit.lab.bags import qos
+from course_kit.ros.interface_types import steps
 
 EXAMPLES = settings(max_examples=200, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 TEXT = st.text(max_size=30)  # no lone surrogates: a word that has one is refused before it is parsed

@@ -11,8 +11,8 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.background.running import running
-from course_kit.ros2.doctor.hello import GROUP, PORT
+from course_kit.cli.ros2.doctor.hello import GROUP, PORT
+from course_kit.lab.background.running import running
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until

@@ -6,7 +6,7 @@ from argparse import ArgumentParser, _SubParsersAction
 
 import pytest
 
-from course_kit.ros2.command import COMMANDS, parser_for, run
+from course_kit.cli.ros2.command import COMMANDS, parser_for, run
 
 
 def parsers_below(parser: ArgumentParser) -> dict[str, ArgumentParser]:

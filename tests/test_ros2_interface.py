@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from rosidl_adapter.parser import parse_message_string  # type: ignore[import-untyped]
 
-from course_kit.ros2.command import run
-from course_kit.ros2.interface import interface, text
-from course_kit.ros2.line_completion import complete
+from course_kit.cli.ros2.command import run
+from course_kit.cli.ros2.interface import interface, text
+from course_kit.cli.ros2.line_completion import complete
 
 pytestmark = pytest.mark.by_turns("hundreds of types", of="cases")
 

@@ -21,11 +21,11 @@ from rclpy.lifecycle import LifecycleNode
 from rclpy.node import Node
 from rclpy.serialization import serialize_message
 
-from course_kit import bags
-from course_kit.background.running import running
-from course_kit.polling import wait_until
-from course_kit.ros2 import command
-from course_kit.turtlesim import TurtleSim
+from course_kit.base.polling import wait_until
+from course_kit.cli.ros2 import command
+from course_kit.lab import bags
+from course_kit.lab.background.running import running
+from course_kit.robots.turtlesim.node import TurtleSim
 from tests.kernel import Kernel
 from tests.ros2_command import program
 from tests.ros2_launches import Prefix
@@ -227,11 +227,11 @@ def test_an_interrupt_in_the_midst_of_a_message_is_no_error(turtle: Node, monkey
 # An interrupt while the command is still importing what its verb needs.
 EARLY = """
 import signal, sys
-from course_kit.ros2 import command
+from course_kit.cli.ros2 import command
 
 class Interrupting:
     def find_spec(self, name, *_):
-        if name == "course_kit.ros2.topic.topic":
+        if name == "course_kit.cli.ros2.topic.topic":
             signal.raise_signal(signal.SIGINT)
 
 sys.meta_path.insert(0, Interrupting())

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.launching import output
-from course_kit.ros2.line_completion import complete
+from course_kit.cli.launching import output
+from course_kit.cli.ros2.line_completion import complete
 from tests.ros2_launches import IMPORTS, Prefix, RunningGroup
 
 
@@ -129,7 +129,7 @@ def test_tab_offers_packages_and_launch_files(prefix: Prefix, monkeypatch: pytes
 def test_every_name_that_is_covered_can_be_imported() -> None:
     code = """if True:
         from importlib import import_module
-        from course_kit.launching import stand_ins
+        from course_kit.cli.launching import stand_ins
         stand_ins.install()
         for module in stand_ins.COVERED:
             for name in import_module(module).__all__:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from course_kit.launching import substitution_texts, tag_actions
+from course_kit.cli.launching import substitution_texts, tag_actions
 from tests.ros2_launches import Prefix, RunningGroup
 
 SURVEY = yaml.safe_load((Path(__file__).parent / "launch_survey.yaml").read_text())
@@ -43,7 +43,7 @@ def test_tags_and_substitutions_of_many_packages_are_known() -> None:
 def test_entities_of_many_packages_can_be_imported() -> None:
     names = {name for name in USES if name.startswith("launch")} - REFUSED
     imports = ["from {} import {}".format(*name.rsplit(".", 1)) for name in sorted(names)]
-    start = "from course_kit.launching import stand_ins; stand_ins.install()"
+    start = "from course_kit.cli.launching import stand_ins; stand_ins.install()"
     subprocess.run([sys.executable, "-c", "\n".join([start, *imports])], check=True)
 
 

@@ -29,9 +29,9 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
     NamespacedType,
 )
 
-from course_kit.interface_types import message_class
-from course_kit.ros2.messages.values import NotYaml, parse, populate, stamp
-from course_kit.ros2.messages.yaml_text import Shown, fields, to_csv, to_dict, to_yaml
+from course_kit.cli.ros2.messages.values import NotYaml, parse, populate, stamp
+from course_kit.cli.ros2.messages.yaml_text import Shown, fields, to_csv, to_dict, to_yaml
+from course_kit.ros.interface_types import message_class
 
 pytestmark = pytest.mark.by_turns("hundreds of types", of="cases")
 
@@ -321,7 +321,7 @@ def test_malformed_yaml_is_one_line(text):
 
 
 def test_text_needs_no_ros():
-    code = "import sys; from course_kit.ros2.messages import values, yaml_text; print('rclpy' in sys.modules)"
+    code = "import sys; from course_kit.cli.ros2.messages import values, yaml_text; print('rclpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\n"
 
 

@@ -16,9 +16,9 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from course_kit.background.running import run, stop
-from course_kit.spinning import context
-from course_kit.watching import instruments
+from course_kit.lab.background.running import run, stop
+from course_kit.ros.spinning import context
+from course_kit.ros.watching import instruments
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until

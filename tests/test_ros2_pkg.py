@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.programs import packages
-from course_kit.ros2.command import run
-from course_kit.ros2.pkg import create
+from course_kit.cli.ros2.command import run
+from course_kit.cli.ros2.pkg import create
+from course_kit.ros import packages
 
 WHO = ("--maintainer-name", "Nobody", "--maintainer-email", "nobody@nowhere.com")
 LICENSES = "Apache-2.0\nBSL-1.0\nBSD-2.0\nBSD-2-Clause\nBSD-3-Clause\nGPL-3.0-only\nLGPL-3.0-only\nMIT\nMIT-0\n"

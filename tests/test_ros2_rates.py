@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from course_kit.recordings.measure import measure
-from course_kit.ros2.topic.rates_text import hz_table
+from course_kit.cli.ros2.topic.rates_text import hz_table
+from course_kit.lab.recordings.measure import measure
 from tests.domains import own_domain
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running

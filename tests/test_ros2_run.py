@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.programs import packages
-from course_kit.ros2.line_completion import complete
+from course_kit.cli.ros2.line_completion import complete
+from course_kit.ros import packages
 from tests.ros2_command import COMMAND, TIMEOUT
 from tests.ros2_launches import ROOT, Prefix, RunningGroup, none_left
 from tests.terminal import CTRL_C, Terminal
@@ -170,7 +170,7 @@ def test_turtlesim_runs_by_the_tutorial_s_command(prefix: Prefix) -> None:
 
 def test_teleop_says_that_it_needs_a_terminal(prefix: Prefix) -> None:
     done = subprocess.run(
-        [sys.executable, "-m", "course_kit.ros2.command", "run", "turtlesim", "turtle_teleop_key"],
+        [sys.executable, "-m", "course_kit.cli.ros2.command", "run", "turtlesim", "turtle_teleop_key"],
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,

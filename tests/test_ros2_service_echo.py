@@ -18,7 +18,7 @@ from rclpy.service_introspection import ServiceIntrospectionState
 from service_msgs.msg import ServiceEventInfo
 from std_srvs.srv import Trigger
 
-from course_kit.background.running import running
+from course_kit.lab.background.running import running
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
@@ -200,7 +200,7 @@ def test_what_cannot_be_echoed_is_said_in_a_line(words: tuple[str, ...], error: 
 
 
 def test_in_a_notebook_it_ends_after_its_duration(capfd: pytest.CaptureFixture[str]) -> None:
-    from course_kit.ros2.command import run
+    from course_kit.cli.ros2.command import run
 
     report(adder="contents", asker="contents")
     assert run(["service", "echo", "/add", "--duration", "2"]) == 0

@@ -10,8 +10,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import SetBool
 
-from course_kit.background.running import running
-from course_kit.bags.types import type_hash
+from course_kit.lab.background.running import running
+from course_kit.lab.bags.types import type_hash
 from tests.ros2_command import program, ros2
 
 KIND = "std_srvs/srv/SetBool"

@@ -15,7 +15,7 @@ from tests.ros2_command import COMMAND
 # Loaded by rclpy or by the messages' classes, or by what the course does elsewhere.
 HEAVY = {"asyncio", "em", "IPython", "lark", "matplotlib", "numpy", "psutil", "rclpy.action", "rosidl_pycommon"}
 TRIGGER = "std_srvs/srv/Trigger"
-UNUSED = {"course_kit.causes.interfaces", "yaml.loader"}
+UNUSED = {"course_kit.ros.causes.interfaces", "yaml.loader"}
 
 
 def loaded_by(*words: str) -> set[str]:
@@ -61,8 +61,8 @@ def test_a_parser_alone_loads_no_ros():
 # Says at the first import of what nodes are made of whether this process has joined the graph.
 JOINED = """
 import os, sys
-from course_kit.internals.fastdds_parts import participants_listening
-from course_kit.ros2.command import main
+from course_kit.ros.internals.fastdds_parts import participants_listening
+from course_kit.cli.ros2.command import main
 
 class Look:
     def find_spec(self, name, path=None, target=None):
@@ -88,7 +88,7 @@ def test_the_graph_is_joined_before_the_rest_is_imported(words):
 LATER = """
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from course_kit.internals.import_parts import arrays_later, import_less
+from course_kit.ros.internals.import_parts import arrays_later, import_less
 
 import_less()
 import yaml

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import course_kit
-from course_kit.ros2.command import COMMANDS
+from course_kit.cli.ros2.command import COMMANDS
 from tests.test_ros2_help import parser_of, parsers_below
 
 LAUNCHING = sorted((Path(course_kit.__file__).parent / "launching").glob("*.py"))

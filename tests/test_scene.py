@@ -21,13 +21,13 @@ from std_msgs.msg import Header, String
 from tf2_msgs.msg import TFMessage
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
-from course_kit.recordings.buffers import MessageBuffer
-from course_kit.recordings.topic_recording import TopicRecording
-from course_kit.scene.frames import Frames
-from course_kit.scene.scene import layer, matrix, scene
-from course_kit.scene.scene_plots import FREE, NOT_KNOWN, OCCUPIED, plot_scene, shades
-from course_kit.spinning import context
-from course_kit.watching import topics
+from course_kit.lab.recordings.buffers import MessageBuffer
+from course_kit.lab.recordings.topic_recording import TopicRecording
+from course_kit.lab.scene.frames import Frames
+from course_kit.lab.scene.scene import layer, matrix, scene
+from course_kit.lab.scene.scene_plots import FREE, NOT_KNOWN, OCCUPIED, plot_scene, shades
+from course_kit.ros.spinning import context
+from course_kit.ros.watching import topics
 from tests.waiting import wait_until
 
 

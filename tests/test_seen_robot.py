@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from course_kit.live.robot_frames import Frames
-from course_kit.live.robot_layers import Layers
-from course_kit.live.seen_robot import LONGEST, SeenRobot, Trail
-from course_kit.robot import picture
-from course_kit.robot.picture import Cells, Seen
-from course_kit.robot.world import Place, Wall, World
+from course_kit.robots.robot import picture
+from course_kit.robots.robot.picture import Cells, Seen
+from course_kit.robots.robot.world import Place, Wall, World
+from course_kit.views.live.robot_frames import Frames
+from course_kit.views.live.robot_layers import Layers
+from course_kit.views.live.seen_robot import LONGEST, SeenRobot, Trail
 
 QUARTER = math.pi / 2
 ROOM = World(

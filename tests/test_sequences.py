@@ -13,8 +13,8 @@ from rclpy.qos import QoSProfile
 from rclpy.service_introspection import ServiceIntrospectionState
 
 from course_kit import record, run, stop, wait_for
-from course_kit.calls.sequences import Arrow, Bar, plot_calls, plot_sequence
-from course_kit.calls.service_calls import NAMES, calls_of
+from course_kit.lab.calls.sequences import Arrow, Bar, plot_calls, plot_sequence
+from course_kit.lab.calls.service_calls import NAMES, calls_of
 
 SERVICE = "/sequences/add"
 EVENTS = f"{SERVICE}/_service_event"

@@ -18,7 +18,7 @@ import nbformat
 import pytest
 from IPython.core.inputtransformer2 import TransformerManager
 
-from course_kit.grading.master import mark_of
+from course_kit.exercises.notebooks.reference import mark_of
 from tests.test_notebooks import FOLDER, NBVAL, NOTEBOOKS
 
 CAN_BE_LEFT_OUT = re.compile(r"## .+\n\*.*can be left out\*")

@@ -7,7 +7,7 @@ import sys
 
 BEGINS_THREADS = """
 import gc, threading, time
-from course_kit.spinning import stalls
+from course_kit.ros.spinning import stalls
 
 def keep_looking():
     while not over.is_set():

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from course_kit.ending.shared_memory import FOLDER
-from course_kit.watching import instruments
+from course_kit.base.ending.shared_memory import FOLDER
+from course_kit.ros.watching import instruments
 from tests.standing import port_of, standing
 
 PORT = "7f0e8c000000-7f0e8c100000 rw-s 00000000 00:19 52"

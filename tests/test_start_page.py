@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from course_kit.environment.notebook import START
-from course_kit.exercises import CHAPTERS
+from course_kit.exercises.catalogue import CHAPTERS
+from course_kit.setup.environment.notebook import START
 from tests.chapters import FOLDER, PATHS, cells, headings, prose
 from tests.test_notebook_edition import stated_time
 

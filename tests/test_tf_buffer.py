@@ -1,6 +1,6 @@
 """The buffer of tf2: what it answers, by tf2's documentation and by what users know of it. No traffic.
 
-As tf2_ros it imports course_kit.tf.buffer.
+As tf2_ros it imports course_kit.robots.tf.buffer.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from tf2_ros import (
     TransformException,
 )
 
-from course_kit.causes import cause_of
-from course_kit.tf.link import Link, Sample
-from course_kit.tf.placement import IDENTITY
+from course_kit.robots.tf.link import Link, Sample
+from course_kit.robots.tf.placement import IDENTITY
+from course_kit.ros.causes import cause_of
 from tests.transforms import at, place, stamp
 from tests.waiting import wait_until
 

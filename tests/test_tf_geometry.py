@@ -1,7 +1,7 @@
 """Messages in other frames: each type of tf2_geometry_msgs, and what Buffer.transform() does with registered types.
 
-As tf2_ros, tf2_geometry_msgs and tf2_sensor_msgs it imports course_kit.tf.buffer, course_kit.tf.clouds,
-course_kit.tf.geometry and course_kit.tf.registration.
+As tf2_ros, tf2_geometry_msgs and tf2_sensor_msgs it imports course_kit.robots.tf.buffer, course_kit.robots.tf.clouds,
+course_kit.robots.tf.geometry and course_kit.robots.tf.registration.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Transforms on their way: broadcasters, listeners, /tf and /tf_static, other processes, simulated time.
 
-As tf2_ros it imports course_kit.tf.broadcasters, course_kit.tf.buffer and course_kit.tf.listener.
+As tf2_ros it imports course_kit.robots.tf.broadcasters, course_kit.robots.tf.buffer and course_kit.robots.tf.listener.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from tf2_ros import (
     TransformListener,
 )
 
-from course_kit.internals.rclpy_parts import fast_executor
-from course_kit.spinning import context
+from course_kit.ros.internals.rclpy_parts import fast_executor
+from course_kit.ros.spinning import context
 from tests.ros2_command import end
 from tests.transforms import at, place
 from tests.waiting import wait_until

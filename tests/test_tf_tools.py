@@ -17,10 +17,10 @@ from tf2_msgs.msg import TFMessage
 from tf2_ros import Buffer, StaticTransformBroadcaster, TransformBroadcaster
 
 from course_kit import plot_frames, record
-from course_kit.figures import Plot
-from course_kit.programs import packages
-from course_kit.ros2.line_completion import complete
-from course_kit.spinning import context
+from course_kit.base.figures import Plot
+from course_kit.cli.ros2.line_completion import complete
+from course_kit.ros import packages
+from course_kit.ros.spinning import context
 from tests.ros2_launches import Prefix, RunningGroup
 from tests.waiting import wait_until
 
@@ -159,7 +159,7 @@ def test_wrong_arguments_are_told(words: list[str], said: str, status: int) -> N
 
 
 def test_a_monitor_tells_delays_and_the_chain() -> None:
-    quick = "from course_kit.tf_tools import monitor; monitor.LOOK = 0.05; monitor.main()"
+    quick = "from course_kit.lab.tf_tools import monitor; monitor.LOOK = 0.05; monitor.main()"
     with a_node("broadcaster") as node, moving(node, ("map", "odom"), ("odom", "base_link")):
         command = [sys.executable, "-u", "-c", quick, "map", "base_link"]
         monitor = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

@@ -10,14 +10,14 @@ from typing import Any
 
 import pytest
 
-from course_kit.ros_graph.graph_drawing import text_width
-from course_kit.tf.chain import chain_between
-from course_kit.tf_tools import echo_text, static_arguments
-from course_kit.tf_tools.delays import ChainDelay, Delays, results
-from course_kit.tf_tools.echo_text import Wanted, WrongArgument, transform_lines
-from course_kit.tf_tools.frame_cards import cards, in_words
-from course_kit.tf_tools.frames import Frame, dot, from_yaml, loops, roots
-from course_kit.tf_tools.rotations import matrix, quaternion, roll_pitch_yaw
+from course_kit.lab.tf_tools import echo_text, static_arguments
+from course_kit.lab.tf_tools.delays import ChainDelay, Delays, results
+from course_kit.lab.tf_tools.echo_text import Wanted, WrongArgument, transform_lines
+from course_kit.lab.tf_tools.frame_cards import cards, in_words
+from course_kit.lab.tf_tools.frames import Frame, dot, from_yaml, loops, roots
+from course_kit.lab.tf_tools.rotations import matrix, quaternion, roll_pitch_yaw
+from course_kit.robots.tf.chain import chain_between
+from course_kit.ros.graph.drawing import text_width
 
 NAMED = ["--frame-id", "a", "--child-frame-id", "b"]
 # What a buffer tells of a frame that moves, and of one that does not.

@@ -13,7 +13,7 @@ import pytest
 from nbformat.sign import NotebookNotary
 from nbformat.v4 import new_code_cell, new_notebook, new_output
 
-from course_kit.environment.trust import sign
+from course_kit.setup.environment.trust import sign
 
 TOPICS = "03_topics.ipynb"
 

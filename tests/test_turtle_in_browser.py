@@ -20,9 +20,9 @@ pytestmark = [
     pytest.mark.timeout(300),
 ]
 CELLS = {
-    "start": "from course_kit import record, run, stop\nfrom course_kit.turtlesim import TurtleSim\n"
+    "start": "from course_kit import record, run, stop\nfrom course_kit import TurtleSim\n"
     "turtlesim = run(TurtleSim)\nrecording = record('/turtle1/pose')",
-    "panel": "from course_kit.live.turtle import drive\npanel = drive()\npanel",
+    "panel": "from course_kit import drive\npanel = drive()\npanel",
     "moved": "float(recording.values('linear_velocity').max()), float(recording.values('angular_velocity').max())",
     "heading": "round(float(recording.values('theta')[-1]), 2)",
     "turtles": "{name: (round(t.x, 1), round(11.09 - t.depth, 1)) for name, t in turtlesim.world.turtles.items()}",

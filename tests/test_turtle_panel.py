@@ -17,9 +17,9 @@ from tests.widget_cell import WIDGET, WidgetCell
 SET_UP = """
 import time
 from course_kit import record, run, stop
-from course_kit.live.turtle import drive
-from course_kit.turtlesim import TurtleSim
-from course_kit.watching import instruments
+from course_kit import drive
+from course_kit import TurtleSim
+from course_kit.ros.watching import instruments
 turtlesim = run(TurtleSim)
 """
 MIDDLE = 5.544444561004639
@@ -131,7 +131,7 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     panel = Panel(kernel)
     kernel.until(lambda: panel.said("field"))
     channel.send(session.msg("comm_open", content))
-    kernel.until(lambda: kernel.value("__import__('course_kit.live.tabs').live.tabs.somebody_looks()") == "False")
+    kernel.until(lambda: kernel.value("__import__('course_kit.views.live.tabs').live.tabs.somebody_looks()") == "False")
     kernel.until(lambda: kernel.value("time.monotonic() - panel._shown_at > 1.0") == "True")  # so all is sent anew
     before = len(panel.said("moves")), len(panel.said("field"))
     panel.tell(kind="key", key="up")
@@ -141,7 +141,7 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     channel.send(session.msg("comm_msg", {"comm_id": tab, "data": {"looks": True}}))
     kernel.until(lambda: len(panel.said("field")) > before[1])
     channel.send(session.msg("comm_close", {"comm_id": tab, "data": {}}))
-    kernel.run("panel.close(); from course_kit.live import tabs; tabs._looking.clear()")
+    kernel.run("panel.close(); from course_kit.views.live import tabs; tabs._looking.clear()")
 
 
 def test_keys_say_that_the_node_which_sends_them_was_stopped(kernel: Kernel, panel: Panel) -> None:

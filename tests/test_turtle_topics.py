@@ -18,9 +18,10 @@ from turtlesim.msg import Pose
 from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute
 
 from course_kit import run, stop
-from course_kit.live.turtle_topics import TurtleTopics
-from course_kit.turtlesim import TurtleSim, picture
-from course_kit.watching import clients, instruments
+from course_kit.robots.turtlesim import picture
+from course_kit.robots.turtlesim.node import TurtleSim
+from course_kit.ros.watching import clients, instruments
+from course_kit.views.live.turtle_topics import TurtleTopics
 from tests.waiting import wait_until
 
 
@@ -131,7 +132,9 @@ def test_who_looks_later_sees_what_was_drawn_before(sim: TurtleSim) -> None:
 def test_a_simulator_in_another_process_and_its_end_are_seen() -> None:
     with looking() as seen:
         assert names(seen) == []
-        with subprocess.Popen([sys.executable, "-m", "course_kit.turtlesim"], stdout=subprocess.DEVNULL) as process:
+        with subprocess.Popen(
+            [sys.executable, "-m", "course_kit.robots.turtlesim"], stdout=subprocess.DEVNULL
+        ) as process:
             wait_until(lambda: names(seen) == ["turtle1"])
             call(Spawn, "/spawn", x=2.0, y=2.0, name="bob")
             wait_until(lambda: names(seen) == ["bob", "turtle1"])

@@ -13,9 +13,8 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 from turtlesim.msg import Pose
 
-from course_kit.spinning import context
-from course_kit.turtlesim import Laser
-from course_kit.turtlesim.laser import PILLAR, RADIUS, WALLS, distances
+from course_kit.robots.turtlesim.laser import PILLAR, RADIUS, WALLS, Laser, distances
+from course_kit.ros.spinning import context
 from tests.waiting import wait_until
 
 EAST, NORTH, WEST, SOUTH = 0.0, math.pi / 2, math.pi, -math.pi / 2

@@ -40,9 +40,9 @@ from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Color, Pose
 from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute, TeleportRelative
 
-from course_kit.interface_types import type_name
-from course_kit.spinning.nodes import destroy
-from course_kit.turtlesim import TurtleSim
+from course_kit.robots.turtlesim.node import TurtleSim
+from course_kit.ros.interface_types import type_name
+from course_kit.ros.spinning.nodes import destroy
 from tests.waiting import TIMEOUT, wait_until
 
 pytestmark = pytest.mark.by_turns("many nodes and programs")
@@ -655,7 +655,7 @@ def test_one_that_keeps_up_makes_up_for_a_stall(ros: Ros, monkeypatch: pytest.Mo
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
 def test_as_a_process(ros: Ros, end: signal.Signals) -> None:
-    command = [sys.executable, "-m", "course_kit.turtlesim", "--ros-args"]
+    command = [sys.executable, "-m", "course_kit.robots.turtlesim", "--ros-args"]
     command += ["-r", "__ns:=/robot1", "-p", "background_r:=0"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
@@ -680,7 +680,7 @@ def test_as_a_process(ros: Ros, end: signal.Signals) -> None:
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
 def test_signal_during_the_start_ends_the_process_cleanly(end: signal.Signals) -> None:
-    command = [sys.executable, "-m", "course_kit.turtlesim"]
+    command = [sys.executable, "-m", "course_kit.robots.turtlesim"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     try:
@@ -696,7 +696,7 @@ def test_signal_during_the_start_ends_the_process_cleanly(end: signal.Signals) -
 
 @pytest.mark.parametrize("arguments", [["-p", "background_r:=300"], ["-p", "background_r:=red"], ["-r", "nonsense"]])
 def test_wrong_arguments_end_the_process_with_one_line(arguments: list[str]) -> None:
-    command = [sys.executable, "-m", "course_kit.turtlesim", "--ros-args", *arguments]
+    command = [sys.executable, "-m", "course_kit.robots.turtlesim", "--ros-args", *arguments]
     done = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=60)
     assert done.returncode == 1
     assert "Traceback" not in done.stderr

@@ -20,9 +20,8 @@ from turtlesim.action import RotateAbsolute
 from turtlesim.msg import Pose
 from turtlesim.srv import Spawn
 
-from course_kit.turtlesim import Teleop
-from course_kit.turtlesim.keyboard import first_key
-from course_kit.turtlesim.teleop import HEADINGS, KEYS
+from course_kit.base.keyboard import first_key
+from course_kit.robots.turtlesim.teleop import HEADINGS, KEYS, Teleop
 from tests.terminal import Terminal
 from tests.test_turtlesim_node import Ros, Spinning, ros
 from tests.waiting import TIMEOUT, wait_until
@@ -189,7 +188,7 @@ def test_first_key(typed: bytes, key: str | None, rest: bytes) -> None:
 @contextmanager
 def teleop_in_a_terminal(*arguments: str) -> Iterator[Terminal]:
     """The program, once it has told how it is used. That its window is closed, it is to see by itself."""
-    command = [sys.executable, "-m", "course_kit.turtlesim.teleop", *arguments]
+    command = [sys.executable, "-m", "course_kit.robots.turtlesim.teleop", *arguments]
     with Terminal(command, is_controlling=False) as terminal:
         terminal.wait_for("quit\n\n")  # all of it: what still prints when its window is closed fails
         yield terminal
@@ -255,7 +254,7 @@ def test_program_ends_when_its_terminal_is_closed() -> None:
 
 
 def test_program_without_a_terminal_says_so() -> None:
-    command = [sys.executable, "-m", "course_kit.turtlesim.teleop"]
+    command = [sys.executable, "-m", "course_kit.robots.turtlesim.teleop"]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
     assert done.returncode == 1
     assert done.stderr.splitlines() == [

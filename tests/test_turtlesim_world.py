@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from course_kit.turtlesim import picture
-from course_kit.turtlesim.field import EXTENT, MIDDLE, SIZE, Field, float32
-from course_kit.turtlesim.turtle import Outcome, Reading, normalise
-from course_kit.turtlesim.world import World
+from course_kit.robots.turtlesim import picture
+from course_kit.robots.turtlesim.field import EXTENT, MIDDLE, SIZE, Field, float32
+from course_kit.robots.turtlesim.turtle import Outcome, Reading, normalise
+from course_kit.robots.turtlesim.world import World
 
 TICK = 16_000_000  # nanoseconds
 SECOND = 1_000_000_000
@@ -76,7 +76,7 @@ def test_first_tick_only_starts_the_clock() -> None:
 
 
 def test_pure_part_imports_no_ros() -> None:
-    code = "import sys, course_kit.turtlesim.picture; sys.exit('rclpy' in sys.modules)"
+    code = "import sys, course_kit.robots.turtlesim.picture; sys.exit('rclpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0
 
 

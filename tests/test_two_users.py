@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.environment.activation import PROFILE
-from course_kit.examining.domains import STAGES
+from course_kit.exercises.domains import STAGES
+from course_kit.setup.environment.activation import PROFILE
 from tests.grading.handed_in import references
 from tests.other_users import another_machine, command_of
 

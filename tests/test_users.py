@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.environment import user_domain
-from course_kit.examining import domains
+from course_kit.exercises import domains
+from course_kit.setup.environment import user_domain
 
 pytestmark = pytest.mark.skipif(os.getuid() != 0, reason="only root can be several users")
 

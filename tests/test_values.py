@@ -19,12 +19,12 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool, Float64MultiArray, String
 from turtlesim.msg import Pose
 
-from course_kit import bags
-from course_kit.recordings.recording import record
-from course_kit.series.field_paths import numeric_fields, parse, reader
-from course_kit.series.value_plots import plot_values
-from course_kit.series.value_series import Values, save_csv, values
-from course_kit.spinning import context
+from course_kit.lab import bags
+from course_kit.lab.recordings.recording import record
+from course_kit.lab.series.field_paths import numeric_fields, parse, reader
+from course_kit.lab.series.value_plots import plot_values
+from course_kit.lab.series.value_series import Values, save_csv, values
+from course_kit.ros.spinning import context
 from tests.waiting import wait_until
 
 COUNT = 40
@@ -150,7 +150,7 @@ def test_a_csv_has_a_column_a_path_and_a_line_a_message(robot: Node, tmp_path: P
 
 
 def test_messages_of_the_same_nanosecond_all_have_their_line(tmp_path: Path) -> None:
-    from course_kit.series.value_series import Series
+    from course_kit.lab.series.value_series import Series
 
     series = Series("/a.x", np.array([5, 5, 6]), np.array([1.0, 2.0, 3.0]), 5)
     lines = save_csv(Values([series]), tmp_path / "out.csv").read_text().splitlines()

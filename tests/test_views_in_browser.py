@@ -18,8 +18,8 @@ pytestmark = [
     pytest.mark.timeout(300),
 ]
 CELLS = {
-    "start": "from course_kit import run, stop\nfrom course_kit.turtlesim import TurtleSim\nturtlesim = run(TurtleSim)",
-    "views": "from course_kit.live.rates import watch_rates\nfrom course_kit.live.values import watch_values\n"
+    "start": "from course_kit import run, stop\nfrom course_kit import TurtleSim\nturtlesim = run(TurtleSim)",
+    "views": "from course_kit import watch_rates\nfrom course_kit import watch_values\n"
     "rates, values = watch_rates(), watch_values('/turtle1/pose.x')",
     "stop": "rates.stop(); values.stop()",
     "pid": "import os\nos.getpid()",

@@ -19,17 +19,17 @@ import psutil
 from rclpy.node import Node
 from turtlesim.msg import Pose
 from course_kit import run
-from course_kit.live import tabs
-from course_kit.live.graph import show_graph
-from course_kit.live.life import alive
-from course_kit.live.logs import watch_logs
-from course_kit.live.rates import watch_rates
-from course_kit.live.resources import watch_resources
-from course_kit.live.robot import show_robot
-from course_kit.live.turtle import drive
-from course_kit.live.values import watch_values
-from course_kit.node_logs import rosout
-from course_kit.robot import Robot as Burger
+from course_kit.views.live import tabs
+from course_kit import show_graph
+from course_kit.views.live.life import alive
+from course_kit import watch_logs
+from course_kit import watch_rates
+from course_kit import watch_resources
+from course_kit import show_robot
+from course_kit import drive
+from course_kit import watch_values
+from course_kit.lab.node_logs import rosout
+from course_kit import Robot as Burger
 
 class Robot(Node):
     def __init__(self):

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.file_locks import LockTimeout, locked
-from course_kit.whole_files import NotWritten, set_aside, write_whole
+from course_kit.base.file_locks import LockTimeout, locked
+from course_kit.base.whole_files import NotWritten, set_aside, write_whole
 
 
 def test_an_earlier_file_stays_where_a_new_one_cannot_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -58,7 +58,7 @@ def test_a_link_stays_one_and_a_device_is_not_replaced(tmp_path: Path):
 
 def test_what_a_killed_writer_left_goes_with_the_next_and_that_of_a_living_one_stays(tmp_path: Path):
     file = write_whole(tmp_path / "a[1].txt", b"first")
-    stop = "import os, signal, sys\nfrom pathlib import Path\nfrom course_kit.whole_files import write_whole\n"
+    stop = "import os, signal, sys\nfrom pathlib import Path\nfrom course_kit.base.whole_files import write_whole\n"
     stop += "os.replace = lambda *_: os.kill(os.getpid(), signal.SIGSTOP)\nwrite_whole(Path(sys.argv[1]), b'other')"
     with subprocess.Popen([sys.executable, "-c", stop, str(file)]) as writer:
         os.waitid(os.P_PID, writer.pid, os.WSTOPPED)

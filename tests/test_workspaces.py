@@ -16,10 +16,10 @@ from pathlib import Path
 import pytest
 
 from course_kit import Workspace, start, wait_for
-from course_kit.colcon.colcon_output import Build
-from course_kit.colcon.workspaces import BuildError
-from course_kit.environment.activation import has_package, sourced_ros
-from course_kit.programs import processes
+from course_kit.base.programs import processes
+from course_kit.setup.colcon.colcon_output import Build
+from course_kit.setup.colcon.workspaces import BuildError
+from course_kit.setup.environment.activation import has_package, sourced_ros
 from tests import packages
 from tests.course_copy import fresh_environ
 from tests.kernel import Kernel

@@ -17,15 +17,15 @@ from tests.lab import Lab, lab_on
 
 SET_UP = """
 from course_kit import check, plot_graph, plot_pose, record, run
-from course_kit.robot import Robot
-from course_kit.turtlesim import TurtleSim
-from course_kit.live.graph import show_graph
-from course_kit.live.logs import watch_logs
-from course_kit.live.rates import watch_rates
-from course_kit.live.resources import watch_resources
-from course_kit.live.robot import show_robot
-from course_kit.live.turtle import drive
-from course_kit.live.values import watch_values
+from course_kit import Robot
+from course_kit import TurtleSim
+from course_kit import show_graph
+from course_kit import watch_logs
+from course_kit import watch_rates
+from course_kit import watch_resources
+from course_kit import show_robot
+from course_kit import drive
+from course_kit import watch_values
 turtlesim = run(TurtleSim)
 recording = record("/turtle1/pose")
 """
@@ -38,7 +38,7 @@ VIEWS = {
     "resources": "resources = watch_resources()",
     "logs": "turtlesim.get_logger().warn('mind the wall'); console = watch_logs()",
     "graph": "graph = show_graph()",
-    "form": "from course_kit.live.form import show_form; form = show_form('/turtle1/cmd_vel')",
+    "form": "from course_kit import show_form; form = show_form('/turtle1/cmd_vel')",
     "ros2": "hz = %ros2 topic hz /turtle1/pose --background",
     "check": "check('setup-2')",
     "figure": "plot_pose(recording)",

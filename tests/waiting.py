@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from course_kit import polling
+from course_kit.base import polling
 
 TIMEOUT = 20.0  # seconds; discovery on a busy machine has a long tail
 PAUSE = 0.01

@@ -65,7 +65,7 @@ def _end(process: subprocess.Popen[str]) -> None:
 
 def _held(storage: str, seconds: float, rate: float) -> float | None:
     """The rate at which the sender really sent, if the bag holds every message of it."""
-    from course_kit.bags import files as bag_files
+    from course_kit.lab.bags import files as bag_files
 
     os.environ["ROS_DOMAIN_ID"] = str(reserve_domain())
     with tempfile.TemporaryDirectory() as folder:
@@ -95,10 +95,10 @@ def _played(seconds: float) -> list[float]:
     from rclpy.serialization import serialize_message
     from std_msgs.msg import String
 
-    from course_kit.bags.writer import BagWriter
-    from course_kit.polling import wait_until
-    from course_kit.spinning import context
-    from course_kit.watching import instruments
+    from course_kit.base.polling import wait_until
+    from course_kit.lab.bags.writer import BagWriter
+    from course_kit.ros.spinning import context
+    from course_kit.ros.watching import instruments
 
     count = int(seconds * PLAY_RATE)
     times: list[int] = []

@@ -17,7 +17,7 @@ from tests.benchmark import programs
 ROOT = Path(__file__).resolve().parents[2]
 PROFILES = {
     "stock": Path(__file__).with_name("stock_profile.xml"),
-    "course": ROOT / "course_kit/environment/fastdds_profile.xml",
+    "course": ROOT / "course_kit/setup/environment/fastdds_profile.xml",
 }
 START_TIMEOUT = 60.0
 

@@ -32,8 +32,8 @@ from geometry_msgs.msg import Twist
 from rclpy.node import Node
 from turtlesim.msg import Pose
 from course_kit import run
-from course_kit.turtlesim import TurtleSim
-from course_kit.watching import clients
+from course_kit import TurtleSim
+from course_kit.ros.watching import clients
 from turtlesim.srv import Spawn
 class Circles(Node):
     def __init__(self):
@@ -85,7 +85,7 @@ for number in range(9):
     clients.call(Spawn, "/spawn", Spawn.Request(x=2.0 + 0.7 * number, y=4.0, theta=0.0), 5, 5)
 """
 NOTEBOOKS = {
-    "panel": {"start": START, "show": "from course_kit.live.turtle import drive\npanel = drive()", "ten": TEN},
+    "panel": {"start": START, "show": "from course_kit import drive\npanel = drive()", "ten": TEN},
     "pictures": {"start": START, "show": FIGURE + PICTURES},
     "ipympl": {"start": START, "show": "%matplotlib widget\n" + FIGURE + WIDGET},
 }

@@ -6,10 +6,10 @@ import statistics
 import time
 from collections.abc import Iterator
 
-from course_kit.robot import shape
-from course_kit.robot.drive import wheel_rates
-from course_kit.robot.physics import Physics
-from course_kit.robot.worlds import NAMES, world
+from course_kit.robots.robot import shape
+from course_kit.robots.robot.drive import wheel_rates
+from course_kit.robots.robot.physics import Physics
+from course_kit.robots.robot.worlds import NAMES, world
 from tests.benchmark.table import Row, at_least
 
 AIM = 20  # times real time

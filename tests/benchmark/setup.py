@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from course_kit.environment.levels import GRADING, TEST
+from course_kit.setup.environment.levels import GRADING, TEST
 from tests.benchmark.table import Row
 from tests.course_copy import BASE_PYTHON, CourseCopy, fresh_environ
 

@@ -35,7 +35,7 @@ CHECK_TIMEOUT = 120.0
 BEGIN = """
 from rclpy.node import Node
 from course_kit import check, record, run
-from course_kit.turtlesim import TurtleSim
+from course_kit import TurtleSim
 turtle = run(TurtleSim)
 recording = record("/turtle1/pose", keep=1000)
 """

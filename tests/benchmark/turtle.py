@@ -7,7 +7,7 @@ from contextlib import ExitStack
 
 import numpy as np
 
-from course_kit.turtlesim.turtle import TICK
+from course_kit.robots.turtlesim.turtle import TICK
 from tests.benchmark.child import Program
 from tests.benchmark.table import Row
 from tests.domains import reserve_domain
@@ -27,7 +27,9 @@ def rows(quick: bool) -> Iterator[Row]:
             with ExitStack() as stack:
                 domain = reserve_domain()
                 own = where.startswith("as")
-                turtle = stack.enter_context(Program("course_kit.turtlesim" if own else "turtle_host", domain=domain))
+                turtle = stack.enter_context(
+                    Program("course_kit.robots.turtlesim" if own else "turtle_host", domain=domain)
+                )
                 if own and busy:
                     stack.enter_context(Program("busy", domain=domain)).report()
                 if not own:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from course_kit.ros2.command import COMMANDS
+from course_kit.cli.ros2.command import COMMANDS
 from tests.benchmark.child import Program, environment
 from tests.benchmark.ros2 import NODES, PROCESSES, command
 from tests.benchmark.table import Row, at_most

@@ -8,15 +8,15 @@ from tests.exercises.answers_services import LAMP
 FULL = '"services-1 · A lamp: 2 of 2 points"'
 TRIED = '\nprint("tried")\n'
 VERDICT = """
-from course_kit.checking import client
-from course_kit.examining.verdict import Finding, Verdict
+from course_kit.exercises.in_notebook import client
+from course_kit.exercises.protocol.verdict import Finding, Verdict
 full = Verdict("services-1", "A lamp", 2, findings=(Finding("all of it", True, "", 2),))
 """
 FORGED = f"""{VERDICT}
 import json, threading
 from dataclasses import asdict
 from multiprocessing import Pipe
-from course_kit.examining.channel import Channel
+from course_kit.exercises.protocol.channel import Channel
 messages = [{{"verdict": asdict(full)}}, {{"graded": "services-1", "title": "A lamp"}}]
 """
 AT_THE_SOCKET = f"""{FORGED}
@@ -95,9 +95,9 @@ CHEATS = [
         (
             "verdict_replaced",
             "Have each verdict made with all points.",
-            f"{VERDICT}from course_kit.checking import notebook\n"
+            f"{VERDICT}from course_kit import check as shows\n"
             "Verdict.points = 2; Verdict.is_full = True; Verdict.from_json = staticmethod(lambda data: full)\n"
-            "notebook.show = lambda verdict: print(full)",
+            "shows.show = lambda verdict: print(full)",
         ),
         (
             "a_false_checker",
@@ -117,7 +117,7 @@ CHEATS = [
         (
             "no_grader",
             "Start a checker of one's own, of a false program.",
-            "import os, sys\nfrom course_kit.checking import client, surroundings\n"
+            "import os, sys\nfrom course_kit.exercises.in_notebook import client, surroundings\n"
             "open('python', 'w').write('#!/bin/sh\\nexit 0\\n'); os.chmod('python', 0o755)\n"
             "sys.executable = os.path.abspath('python'); surroundings.at_start = lambda: dict(os.environ)\n"
             "del os.environ['COURSE_KIT_GRADER']",
@@ -137,14 +137,14 @@ CHEATS = [
         (
             "progress",
             "Write points into the file that keeps them.",
-            "import json, os, pathlib\nfrom course_kit.checking import progress\n"
+            "import json, os, pathlib\nfrom course_kit.exercises.in_notebook import progress\n"
             "progress.path().parent.mkdir(parents=True, exist_ok=True)\n"
             "progress.path().write_text(json.dumps({'points': {'services-1': 2}}))",
         ),
         (
             "reads_patched",
             "Answer each order of the checker with what it may wish for.",
-            "from course_kit.examining import answer_host\n"
+            "from course_kit.exercises.in_notebook import answer_host\n"
             "answer_host._do = lambda order, names: {'read': True, 'errors': []}.get(order['do'], True)\n",
         ),
         (

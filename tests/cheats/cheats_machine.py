@@ -34,7 +34,8 @@ ENDS = {
     "raises_exit": ("Raise SystemExit.", "raise SystemExit(0)"),
     "ends_in_the_next_check": (
         "End the kernel while the next answer is checked.",
-        "import os\nfrom course_kit.examining import answer_host\nanswer_host.obey = lambda *a: os._exit(0)",
+        "import os\nfrom course_kit.exercises.in_notebook import answer_host\n"
+        "answer_host.obey = lambda *a: os._exit(0)",
     ),
     "kills_all": (
         "Kill and stop every process that can be seen.",
@@ -125,7 +126,10 @@ READ = [
     *map(Path, ("/run/grading/job/found.jsonl", "/root/.bashrc", "/home", "/proc/kcore", "/sys/kernel", "/var/log")),
 ]
 WRITE = [
-    *(COURSE / "course_kit" / name for name in ("exercises/services.py", "cheat.py", "grading/masters/new")),
+    *(
+        COURSE / "course_kit" / name
+        for name in ("exercises/services/cheat.py", "cheat.py", "exercises/notebooks/masters/new")
+    ),
     *map(Path, ("/usr/cheat", "/run/grading/meeting/cheat", "/run/grading/meeting/checker")),
 ]
 FILES = f"""
@@ -146,7 +150,7 @@ for path in {list(map(str, WRITE))}:
     except OSError:
         pass
 names = [name for folder in glob.glob("/proc/[0-9]*") for name in [open(folder + "/cmdline").read()]]
-if any("nbval" in name or "course_kit.checking" in name for name in names):
+if any("nbval" in name or "course_kit.exercises.in_notebook" in name for name in names):
     print("ESCAPED: sees the grader's processes")
 secrets = [entry for entry in open("/proc/1/environ").read().split("\\0") if "COURSE_KIT_TEST" in entry]
 if secrets:
@@ -238,18 +242,18 @@ SOLUTIONS = f"""
 import importlib, pathlib, re, subprocess, sys
 import course_kit
 from course_kit import solution
-from course_kit.checking import progress, surroundings
-from course_kit.solving import worked
+from course_kit.exercises.in_notebook import progress, surroundings
+from course_kit.exercises.solutions import worked
 solution("services-1")
-course, here = pathlib.Path(course_kit.__file__).parent, pathlib.Path("{COURSE}/course_kit/solutions")
-places = {{course / "solutions", course.resolve() / "solutions", worked.FOLDER, here}}
+course, here = pathlib.Path(course_kit.__file__).parent, pathlib.Path("{COURSE}/course_kit")
+places = {{place / "exercises/services/solutions" for place in (course, course.resolve(), here)}}
 # Where nothing says that it is graded, and the points are full.
 plain, surroundings.at_start = surroundings.at_start, lambda: {{}}
 progress.path().parent.mkdir(parents=True, exist_ok=True)
 progress.path().write_text('{{"points": {{"services-1": 2}}}}')
 solution("services-1")
 surroundings.at_start = plain
-found = [path for place in places for path in place.rglob("*")]
+found = [path for place in (*places, *worked.folders()) for path in place.rglob("*")]
 for place in places:
     try:
         (place / "services-1.md").write_text("x"); print("ESCAPED: wrote", place)
@@ -260,7 +264,7 @@ for place in places:
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
         if done.stdout.strip():
             print("ESCAPED:", command, done.stdout)
-for name in ("course_kit.solutions.services_1", "course_kit.solutions.services"):
+for name in ("course_kit.exercises.services.solutions.services_1", "course_kit.exercises.services.solutions.services"):
     try:
         importlib.import_module(name); print("ESCAPED: imported", name)
     except ImportError:

@@ -57,7 +57,7 @@ CHEATS = [
         "long_error",
         "services-1",
         "Answer an order with an error as long as a message may be, so that the verdict is longer.",
-        "from course_kit.examining import answer_host\n"
+        "from course_kit.exercises.in_notebook import answer_host\n"
         "long, plain = {'error': 'E', 'trace': 'x' * 9_999_900}, answer_host.obey\n"
         "def obey(order, *rest):\n"
         "    is_it = order['do'] == 'start' and order['node_class'] == 'Lamp'\n"
@@ -69,7 +69,7 @@ CHEATS = [
         "odd_error",
         "services-1",
         "Answer an order with an error that is a page, a formula and half a letter.",
-        "from course_kit.examining import answer_host\n"
+        "from course_kit.exercises.in_notebook import answer_host\n"
         "odd = {'error': 'E', 'trace': '=1+1<script>alert(1)</script>\\ud800'}\n"
         f"answer_host.obey = lambda order, *a: {{'value': True}} if order['do'] == 'has' else odd\n{EMPTY}",
     ),
@@ -77,7 +77,7 @@ CHEATS = [
         "deep_answer",
         "services-1",
         "Answer an order with lists in lists in lists, as deep as can be sent.",
-        "from course_kit.examining import answer_host\n"
+        "from course_kit.exercises.in_notebook import answer_host\n"
         "deep, plain = [], answer_host.obey\nfor _ in range(900):\n    deep = [deep]\n"
         "def obey(order, *rest):\n"
         "    return {'value': deep, 'error': deep} if order.get('node_class') == 'Lamp' else plain(order, *rest)\n"

@@ -15,7 +15,7 @@ from typing import Any
 
 import nbformat
 
-from course_kit.grading.master import ANSWER, CHECK, mark_of
+from course_kit.exercises.notebooks.reference import ANSWER, CHECK, mark_of
 from tests.cheats.cheat import WRONG_REPORT
 from tests.exercises.answers_setup import REPORT
 from tests.grading.handed_in import CHAPTERS, notebook

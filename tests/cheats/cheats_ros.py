@@ -47,7 +47,7 @@ finally:
 # Starts the helper when the checker has a node made, in the domain that it does so in, and reads what the helper has.
 WITH_HELPER = f"""
 import subprocess, sys
-from course_kit.examining import answer_host
+from course_kit.exercises.in_notebook import answer_host
 open("helper.py", "w").write({HELPER!r})
 plain, helpers = answer_host.obey, []
 

@@ -13,13 +13,16 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from course_kit.grading import feedback, gradebook, handins, master, notebook_run, sandbox, submission
-from course_kit.grading import table as tables
-from course_kit.grading.class_run import ClassRun
-from course_kit.grading.gradebook import plain
-from course_kit.grading.notebook_run import Settings
-from course_kit.grading.results import StudentResult
-from course_kit.polling import wait_until
+from course_kit.base.polling import wait_until
+from course_kit.classroom.collect import handins
+from course_kit.classroom.report import feedback, gradebook
+from course_kit.classroom.report import table as tables
+from course_kit.classroom.report.gradebook import plain
+from course_kit.classroom.results import StudentResult
+from course_kit.classroom.run import notebook_run, sandbox, submission
+from course_kit.classroom.run.class_run import ClassRun
+from course_kit.classroom.run.notebook_run import Settings
+from course_kit.exercises.notebooks.reference import chapters
 from tests.cheats import cheats_kernel, cheats_machine, cheats_messages, cheats_notebook, cheats_ros
 from tests.cheats.cheat import CANARY, ESCAPED, LEFT_BEHIND, PORT, Cheat, reference
 from tests.cheats.cheats_notebook import HandedIn
@@ -28,7 +31,7 @@ pytestmark = [
     pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),
     pytest.mark.by_turns("a grading for each", of="cases"),
 ]
-CHAPTERS = {chapter.name: chapter for chapter in master.chapters()}
+CHAPTERS = {chapter.name: chapter for chapter in chapters()}
 ALL = [*cheats_kernel.CHEATS, *cheats_messages.CHEATS, *cheats_ros.CHEATS, *cheats_machine.CHEATS]
 SLOW = pytest.mark.slow("each cheat is one grading, of 7 s and more")
 MOST_MEMORY = 300 << 20

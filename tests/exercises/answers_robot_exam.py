@@ -26,7 +26,7 @@ def with_own(name: str, source: str, *others: str) -> str:
 
 OWN_MAPPER = """
 import rclpy
-from course_kit.navigation import Mapper
+from course_kit import Mapper
 
 
 class FineMapper(Mapper):
@@ -45,7 +45,7 @@ def main():
 OWN_NAVIGATOR = """
 import sys
 import rclpy
-from course_kit.navigation import Navigator
+from course_kit import Navigator
 
 
 def main():
@@ -118,9 +118,9 @@ import rclpy
 from nav_msgs.msg import OccupancyGrid
 from rclpy.node import Node
 
-from course_kit.navigation.grid_map import GridMap
-from course_kit.navigation.messages import LATCHED, map_message
-from course_kit.robot.worlds import world
+from course_kit import GridMap
+from course_kit import LATCHED, map_message
+from course_kit import world
 
 
 class MapServer(Node):

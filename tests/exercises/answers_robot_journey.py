@@ -24,9 +24,9 @@ from rclpy.time import Time
 from sensor_msgs.msg import LaserScan
 from tf2_ros import Buffer, TransformListener
 
-from course_kit.navigation.messages import place_of, points_of, rays_of, stamped_pose
-from course_kit.navigation.places import hits, wrapped
-from course_kit.navigation.pursuit import Limits, Pursuit, room_ahead, turn
+from course_kit.robots.navigation.messages import place_of, points_of, rays_of, stamped_pose
+from course_kit import hits, wrapped
+from course_kit.robots.navigation.pursuit import Limits, Pursuit, room_ahead, turn
 
 class DriveThere(Node):
     def __init__(self):

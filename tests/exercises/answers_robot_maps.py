@@ -79,8 +79,8 @@ class MapMaker(Node):
         self.maps.publish(message)
 """
 GIVEN_PARTS = """
-from course_kit.navigation.frames import Frames, PlacedScans
-from course_kit.navigation.messages import map_message, rays_of
+from course_kit.robots.navigation.frames import Frames, PlacedScans
+from course_kit.robots.navigation.messages import map_message, rays_of
 
 class MapMaker(Node):
     def __init__(self):

@@ -9,8 +9,8 @@ X = "pose.pose.position.x = self.info.origin.position.x + (column + 0.5) * self.
 Y = "pose.pose.position.y = self.info.origin.position.y + (row + 0.5) * self.info.resolution"
 
 GIVEN = """
-from course_kit.navigation.messages import map_of, path_message
-from course_kit.navigation.planning import CostMap, PlanError, plan
+from course_kit import map_of, path_message
+from course_kit import CostMap, PlanError, plan
 from nav_msgs.msg import OccupancyGrid, Path
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from nav_msgs.srv import GetPlan

@@ -15,14 +15,14 @@ from types import ModuleType
 
 import pytest
 
-from course_kit.colcon import chapter_packages
-from course_kit.colcon.workspaces import Workspace
-from course_kit.exercises import CHAPTERS
-from course_kit.file_locks import locked
-from course_kit.grading import master
-from course_kit.grading.master import mark_of
-from course_kit.grading.rebuild import START, prerequisites
-from course_kit.solving.worked import Worked, find
+from course_kit.base.file_locks import locked
+from course_kit.classroom.rebuild import START
+from course_kit.exercises.catalogue import CHAPTERS
+from course_kit.exercises.notebooks import reference
+from course_kit.exercises.notebooks.reference import mark_of, prerequisites
+from course_kit.exercises.solutions.worked import Worked, find
+from course_kit.setup.colcon import chapter_packages
+from course_kit.setup.colcon.workspaces import Workspace
 from tests import leftovers
 from tests.domains import reserved_domain
 from tests.kernel import Kernel
@@ -96,7 +96,7 @@ def changed(source: str, *changes: tuple[str, str]) -> str:
 # A check runs an answer with threads if a node of its class has them in the notebook: no earlier answer's may stay.
 KEEP_NODES = """
 from course_kit import stop as _stop
-from course_kit.spinning.executors import spinning_now as _spinning_now
+from course_kit.ros.spinning.executors import spinning_now as _spinning_now
 from rclpy.executors import MultiThreadedExecutor as _Threads
 _kept = _spinning_now()
 """
@@ -115,7 +115,7 @@ class Chapter:
     def __init__(self, kernel: Kernel, path: Path) -> None:
         self.kernel = kernel
         self.untouched: dict[str, str] = {}
-        self.master = master.Chapter(path)
+        self.master = reference.Chapter(path)
         self.cells = {cell.id: cell for cell in self.master.notebook.cells}
         self._by_role = {
             (mark["role"], mark["exercise"]): cell

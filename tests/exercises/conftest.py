@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import pytest
 
-from course_kit.examining.domains import reserve_stage
-from course_kit.examining.examination import Examination, begin
-from course_kit.examining.station import Station
-from course_kit.exercises import find
+from course_kit.exercises.catalogue import find
+from course_kit.exercises.checker.examination import Examination, begin
+from course_kit.exercises.domains import reserve_stage
+from course_kit.ros.observing.station import Station
 
 
 @pytest.fixture(scope="session")

@@ -16,8 +16,9 @@ from pathlib import Path
 
 import yaml
 
-from course_kit import exercises
-from course_kit.exercises import CHAPTERS
+from course_kit.exercises import catalogue
+from course_kit.exercises.catalogue import CHAPTERS
+from course_kit.exercises.checker import checks
 from tests import leftovers
 from tests.exercises.chapter import answers_to
 from tests.exercises.kernels import Put, check_all
@@ -46,8 +47,10 @@ def main() -> int:
         for answers in answers_to(name).ANSWERS:
             if chosen.only and not {name, answers.exercise} & set(chosen.only):
                 continue
-            exercise = exercises.find(answers.exercise)
-            made = mutants(answers.reference, only_classes=bool(exercise.node_class and not exercise.watches))
+            exercise = catalogue.find(answers.exercise)
+            made = mutants(
+                answers.reference, only_classes=bool(exercise.node_class and not checks.find(exercise).watches)
+            )
             known = [*equivalent["any"], *equivalent.get(answers.exercise, {})]
             if chosen.list:
                 print("\n".join(f"{answers.exercise} {one.change}" for one in made))

@@ -13,7 +13,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 
-from course_kit.exercises import CHAPTERS
+from course_kit.exercises.catalogue import CHAPTERS
 from tests import leftovers
 from tests.exercises.chapter import answers_to, judge
 from tests.exercises.kernels import Put, check_all

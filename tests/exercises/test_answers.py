@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from course_kit.exercises import CHAPTERS
+from course_kit.exercises.catalogue import CHAPTERS
 from tests.exercises.chapter import Answers, Chapter, answers_to, chapter, judge
 
 pytestmark = pytest.mark.timeout(400)

@@ -29,7 +29,7 @@ from example_interfaces.srv import AddTwoInts
 from rclpy.node import Node
 from std_msgs.msg import Int32, String
 from course_kit import check, logs, nodes, run, stop, wait_for
-from course_kit.checking import client
+from course_kit.exercises.in_notebook import client
 """
 LOOPS = changed(
     COUNTDOWN, ("        if self.publisher.get", "        while True:\n            pass\n        if self.publisher.get")
@@ -251,7 +251,7 @@ def test_strict_raises_for_what_is_begun_and_not_right(kernel: Kernel):
 def test_progress_is_kept_and_drawn(kernel: Kernel, state: Path):
     kernel.run(changed(LAMP, ("lamp = run(Lamp)", "")))
     kernel.run('check("services-1")')
-    kernel.run("%load_ext course_kit.checking.notebook")
+    kernel.run("%load_ext course_kit.exercises.in_notebook.check")
     text = shown(kernel, "%progress")
     assert "✔ services-1" in text and "○ services-2" in text
     assert (state / "ros2-notebook-course" / "progress.json").exists()

@@ -9,8 +9,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from course_kit.examining import circles, paths
-from course_kit.examining.circles import two_circles
+from course_kit.exercises.checker import circles
+from course_kit.exercises.checker.circles import two_circles
+from course_kit.robots.turtlesim import paths
 
 Pose = namedtuple("Pose", "x y theta linear_velocity", defaults=[1.0])
 Poses = list[Pose]

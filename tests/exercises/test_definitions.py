@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.examining import own_types
-from course_kit.examining.definitions import arranged, is_as_asked, shown
+from course_kit.exercises.checker import own_types
+from course_kit.exercises.checker.definitions import arranged, is_as_asked, shown
 from tests.exercises.chapter import CHECK_TIMEOUT, Chapter, chapter, judge
 from tests.exercises.workspace_batteries import BATTERY, CHARGER, CHARGER_CLASS, RECHARGE, types
 from tests.packages import write
@@ -20,7 +20,7 @@ ANOTHER_ORDER = "bool charging\n\n# per cent\nfloat32 percentage 100.0\nfloat32 
 ANOTHER_ANSWER = "float32 percentage\n---\nstring reason\nbool accepted\n"
 USE = """
 import pathlib, sys
-from course_kit.examining import own_types
+from course_kit.exercises.checker import own_types
 own_types.base = lambda: pathlib.Path(sys.argv[1])
 workspace = pathlib.Path(sys.argv[2])
 own_types.provide("robot_interfaces", own_types.own_texts("robot_interfaces", workspace))

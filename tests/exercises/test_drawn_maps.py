@@ -7,10 +7,10 @@ from random import Random
 import numpy as np
 import pytest
 
-from course_kit.examining.drawn_maps import DrawnMap, Point, draw
-from course_kit.exercises.robot_paths import RADIUS, free
-from course_kit.navigation.grid_map import OCCUPIED, UNKNOWN
-from course_kit.navigation.planning import length, shortest
+from course_kit.exercises.checker.drawn_maps import DrawnMap, Point, draw
+from course_kit.exercises.robot.robot_7_path import RADIUS, free
+from course_kit.robots.navigation.grid_map import OCCUPIED, UNKNOWN
+from course_kit.robots.navigation.planning import length, shortest
 
 of_many = pytest.mark.parametrize("drawn", [draw(Random(seed)) for seed in range(12)])
 

@@ -10,8 +10,8 @@ import pytest
 from action_msgs.msg import GoalStatus
 from turtlesim.msg import Pose
 
-from course_kit.examining.vocabulary_actions import Goal
-from course_kit.exercises.actions_star_driven import Star
+from course_kit.exercises.actions.star_driven import Star
+from course_kit.exercises.checker.vocabulary_actions import Goal
 
 SIDE = 1.2
 TICK = 16_000_000  # nanoseconds

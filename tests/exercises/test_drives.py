@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from course_kit.examining import drives
-from course_kit.examining.drives import Commands, steps_of
+from course_kit.exercises.checker import drives
+from course_kit.exercises.checker.drives import Commands, steps_of
 
 Pose = namedtuple("Pose", "x y theta linear_velocity angular_velocity", defaults=(0.0, 0.0, 0.0))
 SECOND = 1_000_000_000

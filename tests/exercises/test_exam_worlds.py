@@ -7,16 +7,16 @@ from random import Random
 import numpy as np
 import pytest
 
-from course_kit.exercises import robot_exam_worlds
-from course_kit.exercises.robot_exam import KINDS, Crossing
-from course_kit.exercises.robot_exam_worlds import FARTHEST, SHORTEST, Planner, Point, draw
-from course_kit.navigation.grid import Grid
-from course_kit.navigation.grid_map import GridMap
-from course_kit.navigation.places import after, between, moved
-from course_kit.navigation.planning import START_OCCUPIED, CostMap, PlanError, plan
-from course_kit.robot.shape import LASER, LONGEST, RADIUS, RAYS
-from course_kit.robot.world import World
-from course_kit.robot.worlds import world
+from course_kit.exercises.robot import exam_worlds
+from course_kit.exercises.robot.exam_worlds import FARTHEST, SHORTEST, Planner, Point, draw
+from course_kit.exercises.robot.robot_9_exam import KINDS, Crossing
+from course_kit.robots.navigation.grid import Grid
+from course_kit.robots.navigation.grid_map import GridMap
+from course_kit.robots.navigation.places import after, between, moved
+from course_kit.robots.navigation.planning import START_OCCUPIED, CostMap, PlanError, plan
+from course_kit.robots.robot.shape import LASER, LONGEST, RADIUS, RAYS
+from course_kit.robots.robot.world import World
+from course_kit.robots.robot.worlds import world
 from tests.crossing import cross
 
 pytestmark = [pytest.mark.cpu_bound, pytest.mark.by_turns("a drive through a world for each", of="cases")]
@@ -65,7 +65,7 @@ def test_a_plan_made_at_the_start_leads_into_a_wall_also_with_the_margin_of_the_
 def test_a_world_in_which_a_planner_gets_stuck_is_not_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Hundreds of draws do not meet one, so the first task gets it here."""
     refused: list[tuple[World, Point]] = []
-    found_way = robot_exam_worlds._found_way
+    found_way = exam_worlds._found_way
 
     def stuck_at_first(where: World, goal: Point, planner: Planner, enough: float) -> float:
         if not refused:
@@ -73,6 +73,6 @@ def test_a_world_in_which_a_planner_gets_stuck_is_not_drawn(monkeypatch: pytest.
             raise PlanError(START_OCCUPIED, "the start (1.32, -0.69) is in a wall")
         return found_way(where, goal, planner, enough)
 
-    monkeypatch.setattr(robot_exam_worlds, "_found_way", stuck_at_first)
+    monkeypatch.setattr(exam_worlds, "_found_way", stuck_at_first)
     task = draw("rooms", Random(8))
     assert refused and refused[0] != (task.world, task.goal)

@@ -20,13 +20,13 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
-from course_kit.examining.answer_host import AnswerHost, close, obey
-from course_kit.examining.examination import Ended, Examination
-from course_kit.examining.vocabulary import expect
-from course_kit.examining.vocabulary_services import expect_service
-from course_kit.examining.vocabulary_topics import expect_topic, listen, publish_steadily, publisher
-from course_kit.spinning import context as ros_context
-from course_kit.spinning.executors import SpinThread
+from course_kit.exercises.checker.examination import Ended, Examination
+from course_kit.exercises.checker.vocabulary import expect
+from course_kit.exercises.checker.vocabulary_services import expect_service
+from course_kit.exercises.checker.vocabulary_topics import expect_topic, listen, publish_steadily, publisher
+from course_kit.exercises.in_notebook.answer_host import AnswerHost, close, obey
+from course_kit.ros.spinning import context as ros_context
+from course_kit.ros.spinning.executors import SpinThread
 from tests.waiting import wait_until
 
 KEEPER = "_keeper"

@@ -12,13 +12,13 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
-from course_kit.examining import introduction
-from course_kit.examining.answer_host import AnswerHost
-from course_kit.examining.examination import Examination
-from course_kit.examining.introduction import introduce, meet
-from course_kit.examining.station import Station
-from course_kit.examining.vocabulary_services import Client
-from course_kit.examining.vocabulary_topics import hear_no_longer, heard_once_more, listen
+from course_kit.exercises.checker import introduction
+from course_kit.exercises.checker.examination import Examination
+from course_kit.exercises.checker.introduction import introduce, meet
+from course_kit.exercises.checker.vocabulary_services import Client
+from course_kit.exercises.checker.vocabulary_topics import hear_no_longer, heard_once_more, listen
+from course_kit.exercises.in_notebook.answer_host import AnswerHost
+from course_kit.ros.observing.station import Station
 from tests.waiting import wait_until
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.checking import surroundings
-from course_kit.examining import own_types
+from course_kit.exercises.checker import own_types
+from course_kit.exercises.in_notebook import surroundings
 from tests.domains import OF_NO_TEST
 from tests.kernel import Kernel
 
@@ -26,8 +26,8 @@ PACKAGE = "robot_interfaces"
 TEXTS = own_types.own_texts(PACKAGE)
 BLOCKED = """
 import os, sys
-from course_kit.checking import server
-from course_kit.examining.examination import OutOfTime
+from course_kit.exercises.checker import server
+from course_kit.exercises.checker.examination import OutOfTime
 os.mkfifo(sys.argv[1])
 server._watch_over(0.3)
 try:
@@ -50,7 +50,7 @@ def poisoned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[
         (tmp_path / "poison" / name).chmod(0o755)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     kernel = Kernel()
-    kernel.run("from course_kit import check\nfrom course_kit.checking import client\nimport os, sys")
+    kernel.run("from course_kit import check\nfrom course_kit.exercises.in_notebook import client\nimport os, sys")
     poison = {
         "PYTHONPATH": str(tmp_path / "poison"),
         "PYTHONSTARTUP": str(tmp_path / "poison/sitecustomize.py"),

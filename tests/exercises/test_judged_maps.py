@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from course_kit.examining.judged_maps import CELL, cause
-from course_kit.navigation.grid import Grid
-from course_kit.navigation.grid_map import GridMap
-from course_kit.navigation.places import Floats
-from course_kit.robot.world import World
-from course_kit.robot.worlds import world
+from course_kit.exercises.checker.judged_maps import CELL, cause
+from course_kit.robots.navigation.grid import Grid
+from course_kit.robots.navigation.grid_map import GridMap
+from course_kit.robots.navigation.places import Floats
+from course_kit.robots.robot.world import World
+from course_kit.robots.robot.worlds import world
 
 ANGLES: Floats = np.radians(np.arange(360.0))
 REACH = 2.2  # m

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from course_kit.exercises.debugging_monitor import POSES, SCANS, Phase
+from course_kit.exercises.debugging.debugging_7_monitor import POSES, SCANS, Phase
 
 RATE = 8.5  # Hz of the scans
 S = 1_000_000_000  # ns

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from course_kit.exercises.debugging_logs import _tells_of
+from course_kit.exercises.debugging.debugging_2_logs import _tells_of
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,10 @@ import pytest
 from geometry_msgs.msg import Twist
 from rclpy.node import Node
 
-from course_kit.examining.lookout import Lookout, Watched
-from course_kit.examining.station import Station
-from course_kit.examining.vocabulary_student import was_listed_before
-from course_kit.spinning import context
+from course_kit.exercises.checker.lookout import Lookout, Watched
+from course_kit.exercises.checker.vocabulary_student import was_listed_before
+from course_kit.ros.observing.station import Station
+from course_kit.ros.spinning import context
 from tests.waiting import wait_until
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from course_kit import file_locks
-from course_kit.examining import own_types
+from course_kit.base import file_locks
+from course_kit.exercises.checker import own_types
 from tests.kernel import Kernel
 
 USE = """
 import pathlib, sys
-from course_kit.examining import own_types
+from course_kit.exercises.checker import own_types
 own_types.base = lambda: pathlib.Path(sys.argv[1])
 own_types.provide("my_interfaces")
 from my_interfaces.action import Polygon

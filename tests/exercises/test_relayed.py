@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from turtlesim.msg import Pose
 
-from course_kit.exercises.topics_relay import EQUAL, Relayed, may_have_lost
+from course_kit.exercises.topics.topics_3_relay import EQUAL, Relayed, may_have_lost
 
 PERIOD, SOON, LATE = 16_000_000, 1_000_000, 50_000_000  # nanoseconds
 EACH_TENTH = list(range(9, 100, 10))

@@ -13,9 +13,9 @@ from rclpy.node import Node
 from sensor_msgs.msg import LaserScan
 from tf2_ros import StaticTransformBroadcaster
 
-from course_kit.examining import vocabulary_robot as vocabulary
-from course_kit.examining.answer_host import AnswerHost
-from course_kit.examining.examination import Examination
+from course_kit.exercises.checker import vocabulary_robot as vocabulary
+from course_kit.exercises.checker.examination import Examination
+from course_kit.exercises.in_notebook.answer_host import AnswerHost
 
 
 class Camera(Node):

@@ -10,14 +10,15 @@ from typing import Any
 
 import pytest
 
-from course_kit import exercises, solution
-from course_kit.checking import client, notebook, progress, surroundings
-from course_kit.examining.verdict import NOT_BEGUN, Finding, Verdict
-from course_kit.solving import answered, worked
+from course_kit import solution
+from course_kit.exercises import catalogue
+from course_kit.exercises.in_notebook import check, client, progress, surroundings
+from course_kit.exercises.protocol.verdict import NOT_BEGUN, Finding, Verdict
+from course_kit.exercises.solutions import answered, worked
 from tests.exercises.chapter import Chapter, answers_to, changed, chapter, solved
 from tests.exercises.chapter import worked as reference
 
-NAMES = [each.name for each in exercises.every()]
+NAMES = [each.name for each in catalogue.EXERCISES]
 NOT_FULL = Verdict("topics-2", "", 2, findings=(Finding("counts", True, "", 1), Finding("all", False, "Why?", 1)))
 FULL = Verdict("topics-2", "", 2, findings=(Finding("all", True, max_points=2),))
 
@@ -26,7 +27,7 @@ FULL = Verdict("topics-2", "", 2, findings=(Finding("all", True, max_points=2),)
 
 
 def test_every_exercise_has_a_solution_and_every_solution_an_exercise() -> None:
-    assert sorted(path.stem for path in worked.FOLDER.iterdir()) == sorted(NAMES)
+    assert sorted(path.stem for folder in worked.folders() for path in folder.iterdir()) == sorted(NAMES)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -172,7 +173,7 @@ def test_of_a_function_too_it_is_said_what_differs(
 ) -> None:
     code = changed(reference("robot-3"), change)
     monkeypatch.setattr(answered, "cells_run", lambda: [code, "class Old:\n    def cells_of_beam(self): pass"])
-    monkeypatch.setattr(notebook, "names", lambda: {"cells_of_beam": print})
+    monkeypatch.setattr(check, "names", lambda: {"cells_of_beam": print})
     progress.record(Verdict("robot-3", "", 3, findings=(Finding("all", True, max_points=3),)))
     solution("robot-3")
     assert told in capsys.readouterr().out.partition("**And yours?**")[2]
@@ -191,7 +192,7 @@ def test_an_edition_without_says_so(
     state: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     progress.record(FULL)
-    monkeypatch.setattr(worked, "FOLDER", tmp_path)
+    monkeypatch.setattr(worked, "EXERCISES", tmp_path)
     solution("topics-2")
     assert said(capsys).startswith("solution: this edition of the course has no solutions.")
 
@@ -210,7 +211,7 @@ def test_the_last_line_of_a_verdict_says_when_it_is_open(
     monkeypatch.setattr(client, "ask", lambda *_: verdict)
     for _ in range(tries):
         capsys.readouterr()
-        notebook.check("topics-2")
+        check.check("topics-2")
     last = capsys.readouterr().out.splitlines()[-1].strip()
     assert last.startswith(f'`solution("topics-2")` shows {expected}') if expected else "solution" not in last
 
@@ -218,7 +219,7 @@ def test_the_last_line_of_a_verdict_says_when_it_is_open(
 def test_a_repetition_with_a_seed_is_no_try(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(client, "ask", lambda *_: NOT_FULL)
     for _ in range(4):
-        notebook.check("topics-2", seed=3)
+        check.check("topics-2", seed=3)
     assert left() == 3
 
 

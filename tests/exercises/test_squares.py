@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from course_kit.examining import squares
+from course_kit.exercises.checker import squares
 
 TICK = 0.016
 

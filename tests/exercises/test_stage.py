@@ -15,11 +15,11 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from course_kit.examining.answer_host import AnswerHost
-from course_kit.examining.examination import Examination
-from course_kit.examining.heard import KEPT, Heard
-from course_kit.examining.station import Station
-from course_kit.examining.vocabulary import ARRIVAL_TIMEOUT, expect_node
+from course_kit.exercises.checker.examination import Examination
+from course_kit.exercises.checker.vocabulary import ARRIVAL_TIMEOUT, expect_node
+from course_kit.exercises.in_notebook.answer_host import AnswerHost
+from course_kit.ros.observing.heard import KEPT, Heard
+from course_kit.ros.observing.station import Station
 from tests.waiting import wait_until
 
 
@@ -75,7 +75,7 @@ def test_a_node_of_an_earlier_check_is_not_taken_for_the_answer_s(examination: E
 
 def test_two_checkers_never_share_a_stage(stage_domain: int, tmp_path: Path) -> None:
     other = subprocess.run(
-        [sys.executable, "-c", "from course_kit.examining.domains import reserve_stage; print(reserve_stage())"],
+        [sys.executable, "-c", "from course_kit.exercises.domains import reserve_stage; print(reserve_stage())"],
         env={**os.environ, "TMPDIR": str(tmp_path)},  # as of a user with a folder for temporary files of their own
         capture_output=True,
         text=True,

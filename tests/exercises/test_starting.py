@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 from std_msgs.msg import String
 
-from course_kit.examining import vocabulary_workspace
-from course_kit.examining.examination import Ended, Examination
-from course_kit.examining.vocabulary_topics import expect_compatible_subscription, publisher
-from course_kit.examining.vocabulary_workspace import expect_nodes
-from course_kit.exercises import find
-from course_kit.programs.child_process import Process
-from course_kit.watching import topics
+from course_kit.base.programs.child_process import Process
+from course_kit.exercises.catalogue import find
+from course_kit.exercises.checker import vocabulary_workspace
+from course_kit.exercises.checker.examination import Ended, Examination
+from course_kit.exercises.checker.vocabulary_topics import expect_compatible_subscription, publisher
+from course_kit.exercises.checker.vocabulary_workspace import expect_nodes
+from course_kit.ros.watching import topics
 
 NODE = """
 import rclpy

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from geometry_msgs.msg import TransformStamped
 
-from course_kit.exercises.robot_where import Told, _stamp, _stamps
-from course_kit.navigation.messages import transform_of
-from course_kit.navigation.places import Place
+from course_kit.exercises.robot.robot_5_map_to_odom import Told, _stamp, _stamps
+from course_kit.robots.navigation.messages import transform_of
+from course_kit.robots.navigation.places import Place
 
 HERE, THERE = (2.0, -3.0, 0.8), (-2.0, 1.5, -1.2)
 START = 1000.0  # s

@@ -17,13 +17,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from course_kit import course_command, exercises, file_locks
-from course_kit.checking import client, notebook, progress
-from course_kit.examining import paths
-from course_kit.examining.channel import LONGEST, Channel, Closed, TooLong, as_json
-from course_kit.examining.examination import beside_the_notebook
-from course_kit.examining.exercise import LEVELS
-from course_kit.examining.verdict import NOT_BEGUN, Finding, Verdict, in_code
+from course_kit.base import file_locks
+from course_kit.classroom import course_command
+from course_kit.exercises import catalogue
+from course_kit.exercises.exercise import LEVELS
+from course_kit.exercises.in_notebook import check, client, progress
+from course_kit.exercises.notebook_folder import beside_the_notebook
+from course_kit.exercises.protocol.channel import LONGEST, Channel, Closed, TooLong, as_json
+from course_kit.exercises.protocol.verdict import NOT_BEGUN, Finding, Verdict, in_code
+from course_kit.robots.turtlesim import paths
 
 HALF = Verdict(
     "topics-1",
@@ -179,7 +181,7 @@ def test_who_keeps_the_lock_of_progress_is_not_waited_for_without_end(
     monkeypatch.setattr(client, "ask", lambda *_: replace(HALF, exercise="topics-2"))
     lock = progress.path().with_name("lock")
     with file_locks.locked(lock, 1.0):
-        notebook.check("topics-2")
+        check.check("topics-2")
     (said,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("check: ")]
     assert said.startswith(
         f"check: your points could not be kept: another process has kept the lock '{lock}' for 0.1 s"
@@ -191,8 +193,8 @@ def test_a_killed_save_leaves_the_earlier_points_and_what_it_left_goes_with_the_
     progress.record(HALF)
     code = (
         "import os, signal\n"
-        "from course_kit.checking import progress\n"
-        "from course_kit.examining.verdict import Finding, Verdict\n"
+        "from course_kit.exercises.in_notebook import progress\n"
+        "from course_kit.exercises.protocol.verdict import Finding, Verdict\n"
         "os.replace = lambda *_: os.kill(os.getpid(), signal.SIGKILL)\n"
         "progress.record(Verdict('topics-2', '', 2, findings=(Finding('all', True, max_points=2),)))\n"
     )
@@ -213,9 +215,9 @@ def test_the_command_shows_progress_by_chapter(state: Path, capsys: pytest.Captu
     assert capsys.readouterr().out == '{"topics-1": 1}\n'
 
 
-@pytest.mark.parametrize("chapter", exercises.CHAPTERS)
+@pytest.mark.parametrize("chapter", catalogue.CHAPTERS)
 def test_every_chapter_has_four_exercises_from_warm_up_on(chapter: str):
-    asked = exercises.of_chapter(chapter)
+    asked = catalogue.of_chapter(chapter)
     assert len(asked) >= 4
     assert [one.name for one in asked] == [f"{chapter}-{number}" for number in range(1, len(asked) + 1)]
     assert asked[0].level == "warm-up"
@@ -230,4 +232,4 @@ def test_a_cell_that_has_gone_into_the_workspace_leaves_the_notebooks_folder_the
 
 def test_an_exercise_that_is_not_there_is_named_with_what_may_be_meant():
     with pytest.raises(ValueError, match="Did you mean 'topics-1'"):
-        exercises.find("topic-1")
+        catalogue.find("topic-1")

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.examining import workspace_terminal
-from course_kit.examining.examination import Ended, Examination
-from course_kit.examining.vocabulary_workspace import expect_executable, expect_package, run_to_end, start
+from course_kit.exercises.checker import workspace_terminal
+from course_kit.exercises.checker.examination import Ended, Examination
+from course_kit.exercises.checker.vocabulary_workspace import expect_executable, expect_package, run_to_end, start
 from tests.packages import write
 
 NAME = "demo_py"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import nbformat
 
-from course_kit.grading.master import ANSWER, NOTEBOOKS, PATTERN, Chapter, mark_of
+from course_kit.exercises.notebooks.reference import ANSWER, NOTEBOOKS, PATTERN, Chapter, mark_of
 from tests.exercises.chapter import answers_to
 
 CHAPTERS = {chapter.name: chapter for chapter in map(Chapter, sorted(NOTEBOOKS.glob(PATTERN)))}

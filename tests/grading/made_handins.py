@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from course_kit.grading.handins import HandIn, find
+from course_kit.classroom.collect.handins import HandIn, find
 
 NAMES = ("01_setup_checks.ipynb", "02_workspace.ipynb", "03_topics.ipynb", "10_more.ipynb")
 TOPICS = "03_topics.ipynb"

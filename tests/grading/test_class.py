@@ -17,13 +17,14 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from course_kit.grading import class_run, handins, sandbox, submission
-from course_kit.grading.notebook_run import Settings
+from course_kit.classroom.collect import handins
+from course_kit.classroom.run import class_run, sandbox, submission
+from course_kit.classroom.run.notebook_run import Settings
 from tests.grading.classes import ASKED, CHAPTER, FORMATS, NAME, Student, exported, students
 from tests.grading.handed_in import CHAPTERS, hand_in, references
 from tests.waiting import wait_until
 
-COURSE = [sys.executable, "-m", "course_kit.course_command"]
+COURSE = [sys.executable, "-m", "course_kit.classroom.course_command"]
 RIGHT, CHEAT, BROKEN, LATE = 0, 4, 7, 8  # of each ten students
 GRADED = dict(zip(FORMATS, (RIGHT, LATE, CHEAT, CHEAT, CHEAT, CHEAT), strict=True))  # beside one that is broken
 pytestmark = [

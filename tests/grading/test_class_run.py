@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-from course_kit.examining.verdict import LOOKED_AT, NOT_LOOKED_AT, Finding, Verdict
-from course_kit.grading import class_run
-from course_kit.grading.class_run import BUSY, ClassRun
-from course_kit.grading.handins import HandIn
-from course_kit.grading.notebook_run import Found, Settings
-from course_kit.grading.results import ExerciseResult, StudentResult
-from course_kit.grading.submission import Submission, Work
+from course_kit.classroom.collect.handins import HandIn
+from course_kit.classroom.results import ExerciseResult, StudentResult
+from course_kit.classroom.run import class_run
+from course_kit.classroom.run.class_run import BUSY, ClassRun
+from course_kit.classroom.run.notebook_run import Found, Settings
+from course_kit.classroom.run.submission import Submission, Work
+from course_kit.exercises.protocol.verdict import LOOKED_AT, NOT_LOOKED_AT, Finding, Verdict
 
 
 class Recorded(Executor):

@@ -14,8 +14,8 @@ from urllib.parse import unquote
 import pytest
 from playwright.sync_api import Page, sync_playwright
 
-from course_kit.grading import feedback
-from course_kit.grading.gradebook import file_names
+from course_kit.classroom.report import feedback
+from course_kit.classroom.report.gradebook import file_names
 from tests.grading.test_gradebook import (
     EVIL,
     PROTECTION,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from course_kit.grading import table
+from course_kit.classroom.report import table
 from tests.grading.test_gradebook import COLOURED, FAILED, a_class, count_down, eight, student
 
 

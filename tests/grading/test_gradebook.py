@@ -11,9 +11,9 @@ from typing import Any
 import jsonschema  # type: ignore[import-untyped]
 import pytest
 
-from course_kit.examining.verdict import NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
-from course_kit.grading import gradebook
-from course_kit.grading.results import ExerciseResult, StudentResult
+from course_kit.classroom.report import gradebook
+from course_kit.classroom.results import ExerciseResult, StudentResult
+from course_kit.exercises.protocol.verdict import NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 
 TITLE = "ROS 2, winter (4711)"
 PROTECTION = "Each student's code ran in a sandbox of its own: no network, no files but its own."

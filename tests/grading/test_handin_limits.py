@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from course_kit.grading import handin_search
-from course_kit.grading.handin_files import File, Unread, on_disk
-from course_kit.grading.handin_notes import Notes
-from course_kit.grading.handins import HandIn, find
+from course_kit.classroom.collect import handin_search
+from course_kit.classroom.collect.handin_files import File, Unread, on_disk
+from course_kit.classroom.collect.handin_notes import Notes
+from course_kit.classroom.collect.handins import HandIn, find
 from tests.grading.made_handins import NAMES, TOPICS, in_folder_and_zip, lay, topics
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.grading.handin_names import master_of, number_of, printable, seconds_of, sender_of
-from course_kit.grading.handins import HandIn, find
+from course_kit.classroom.collect.handin_names import master_of, number_of, printable, seconds_of, sender_of
+from course_kit.classroom.collect.handins import HandIn, find
 from tests.grading.made_handins import MOODLE, NAMES, TOPICS, in_folder_and_zip, lay, topics
 
 

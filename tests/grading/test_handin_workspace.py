@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.grading import handin_workspace
-from course_kit.grading.handins import HandIn, find
+from course_kit.classroom.collect import handin_workspace
+from course_kit.classroom.collect.handins import HandIn, find
 from tests.grading.made_handins import NAMES, TOPICS, in_folder_and_zip, lay, zipped
 
 SOURCES = {"pkg/package.xml": b"<p/>", "pkg/pkg/node.py": b"n", "pkg/.gitignore": b"g"}

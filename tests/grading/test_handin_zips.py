@@ -15,9 +15,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from course_kit.grading import handin_search, handin_zips
-from course_kit.grading.handin_names import master_of, number_of, printable, sender_of
-from course_kit.grading.handins import HandIn, find
+from course_kit.classroom.collect import handin_search, handin_zips
+from course_kit.classroom.collect.handin_names import master_of, number_of, printable, sender_of
+from course_kit.classroom.collect.handins import HandIn, find
 from tests.grading.made_handins import MOODLE, NAMES, TOPICS, in_folder_and_zip, lay, topics, zipped
 
 # Zips

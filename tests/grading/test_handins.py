@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.grading import submission
-from course_kit.grading.handins import HandIn, find, find_own
+from course_kit.classroom.collect.handins import HandIn, find, find_own
+from course_kit.classroom.run import submission
 from tests.grading.classes import ASKED, CHAPTER, FORMATS, NAME, exported, students
 from tests.grading.handed_in import CHAPTERS
 from tests.grading.made_handins import MOODLE, NAMES, TOPICS, in_folder_and_zip, lay, topics, zipped

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from course_kit.grading import master, notebook_run, sandbox
-from course_kit.grading.notebook_run import Settings
+from course_kit.classroom.run import notebook_run, sandbox
+from course_kit.classroom.run.notebook_run import Settings
+from course_kit.exercises.notebooks import reference
 from tests.grading.handed_in import references
 
 pytestmark = [
@@ -16,7 +17,7 @@ pytestmark = [
     pytest.mark.timeout(180),
     pytest.mark.skipif(not sandbox.is_available(), reason="there is no bubblewrap that can make sandboxes"),
 ]
-SETUP = next(chapter for chapter in master.chapters() if chapter.name == "setup")
+SETUP = next(chapter for chapter in reference.chapters() if chapter.name == "setup")
 RIGHT = {name: references("setup")[name] for name in ("setup-1", "setup-2")}
 WRONG = 'domain, discovery_range = 99, "SUBNET"\n'
 ENDS = "import os; os._exit(0)"

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.grading import sandbox
+from course_kit.classroom.run import sandbox
 from tests.cheats.cheats_machine import CHEATS
 from tests.grading.handed_in import hand_in, references
 from tests.other_users import command_of

@@ -11,14 +11,14 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from course_kit.grading import master
-from course_kit.grading.definitions import definitions
-from course_kit.grading.master import CHECK, mark_of
-from course_kit.grading.rebuild import LONGEST_ANSWER, answers_of, prerequisites, rebuilt
+from course_kit.classroom.rebuild import LONGEST_ANSWER, answers_of, rebuilt
+from course_kit.exercises.notebooks import reference
+from course_kit.exercises.notebooks.definitions import definitions
+from course_kit.exercises.notebooks.reference import CHECK, mark_of, prerequisites
 from tests.exercises.chapter import answers_to
 from tests.grading.handed_in import CHAPTERS, as_bytes, notebook, references
 
-MASTERS = {chapter.name: chapter for chapter in master.chapters()}
+MASTERS = {chapter.name: chapter for chapter in reference.chapters()}
 NAME = "04_services.ipynb"
 
 

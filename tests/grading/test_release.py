@@ -16,12 +16,13 @@ from pathlib import Path
 import nbformat
 import pytest
 
-from course_kit import course_command, exercises
-from course_kit.grading import master, release
+from course_kit.classroom import course_command, release
+from course_kit.exercises import catalogue
+from course_kit.exercises.notebooks import reference
 from tests.course_copy import BASE_PYTHON, ROOT, fresh_environ
 from tests.exercises.chapter import solved
 
-EXERCISES = [each.name for each in exercises.every()]
+EXERCISES = [each.name for each in catalogue.EXERCISES]
 TOPICS = "notebooks/03_topics.ipynb"
 
 
@@ -172,7 +173,7 @@ def test_students_get_all_but_what_is_the_instructors_and_the_maintainers(course
 
 
 def test_the_solutions_are_in_it_unless_it_is_made_without(contents, contents_without):
-    solutions = {f"course_kit/solutions/{name}.md" for name in EXERCISES}
+    solutions = {f"course_kit/exercises/{name[:-2]}/solutions/{name}.md" for name in EXERCISES}
     assert set(contents) - set(contents_without) == solutions
     changed = {path for path in contents_without if contents[path] != contents_without[path]}
     assert changed == {"README.md", "manifest.json"}
@@ -284,7 +285,7 @@ def test_the_manifest_knows_every_file(contents, manifest):
 
 def test_the_manifest_knows_every_exercise(course, manifest):
     expected = {}
-    for chapter in map(master.Chapter, sorted((course / "notebooks").glob(master.PATTERN))):
+    for chapter in map(reference.Chapter, sorted((course / "notebooks").glob(reference.PATTERN))):
         for task in chapter.tasks:
             cells = {role: chapter.cell(role, task.name) for role in ("exercise", "answer", "check")}
             expected[task.name] = {
@@ -329,14 +330,14 @@ def test_unzip_keeps_what_can_be_executed(edition, tmp_path):
 def test_the_fault_labs_programs_are_files(course, unpacked):
     # Links in the clone, which many programs that unpack a zip do not make.
     for program in ("map_server", "planner", "scanner", "simulator"):
-        installed = unpacked / "course_kit/faults/robot/lib/patrol" / program
+        installed = unpacked / "course_kit/exercises/faults/robot/lib/patrol" / program
         assert not installed.is_symlink()
         assert os.access(installed, os.X_OK)
-        assert installed.read_bytes() == (course / f"course_kit/faults/programs/{program}.py").read_bytes()
+        assert installed.read_bytes() == (course / f"course_kit/exercises/faults/programs/{program}.py").read_bytes()
 
 
 def test_progress_is_shown(unpacked, tmp_path):
-    command = (sys.executable, "-m", "course_kit.course_command", "progress")
+    command = (sys.executable, "-m", "course_kit.classroom.course_command", "progress")
     shown = run(unpacked, *command, XDG_STATE_HOME=str(tmp_path))
     assert (shown.returncode, shown.stderr) == (0, "")
     assert "topics-1" in shown.stdout

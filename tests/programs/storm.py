@@ -18,7 +18,7 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from course_kit.ending.shared_memory import FOLDER
+from course_kit.base.ending.shared_memory import FOLDER
 from tests.domains import reserve_domain
 
 LIVING = 8
@@ -34,7 +34,7 @@ LIVES = """
 import sys
 import rclpy
 from std_msgs.msg import String
-from course_kit.turtlesim.program import program
+from course_kit.ros.program import program
 from rclpy.node import Node
 
 class Living(Node):
@@ -77,7 +77,7 @@ for line in sys.stdin:
 """
 NEW = """
 import sys, time
-from course_kit.spinning import context
+from course_kit.ros.spinning import context
 from rclpy.node import Node
 began = time.monotonic()
 context.start()

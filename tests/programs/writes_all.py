@@ -14,15 +14,17 @@ from unittest import mock
 
 import numpy as np
 
-from course_kit import bags, course_command, save_csv
-from course_kit.bags.writer import BagWriter
-from course_kit.checking import client, notebook
-from course_kit.colcon import chapter_packages
-from course_kit.colcon.workspaces import Workspace
-from course_kit.examining.verdict import Finding, Verdict
-from course_kit.replays.replayed import Replayed
-from course_kit.ros2 import command
-from course_kit.series.value_series import Series, Values
+from course_kit import save_csv
+from course_kit.classroom import course_command
+from course_kit.cli.ros2 import command
+from course_kit.exercises.in_notebook import check, client
+from course_kit.exercises.protocol.verdict import Finding, Verdict
+from course_kit.lab import bags
+from course_kit.lab.bags.writer import BagWriter
+from course_kit.lab.replays.replayed import Replayed
+from course_kit.lab.series.value_series import Series, Values
+from course_kit.setup.colcon import chapter_packages
+from course_kit.setup.colcon.workspaces import Workspace
 
 NOTEBOOK = Path(__file__).parents[2] / "notebooks/03_topics.ipynb"
 DATA = b"\0\1\0\0\2\0\0\0a\0"  # a std_msgs/msg/String
@@ -47,7 +49,7 @@ def prepare() -> None:
 def _check() -> None:
     found = Verdict("topics-1", "Count down", 2, findings=(Finding("all", True, max_points=2),))
     with mock.patch.object(client, "ask", lambda *_: found):
-        notebook.check("topics-1")
+        check.check("topics-1")
 
 
 THINGS: dict[str, Callable[[], object]] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from course_kit import run
-from course_kit.robot import Robot
+from course_kit.robots.robot.node import Robot
 from tests.benchmark.programs.reporting import report
 
 

@@ -6,7 +6,7 @@ import sys
 import time
 
 from course_kit import run
-from course_kit.turtlesim import TurtleSim
+from course_kit.robots.turtlesim.node import TurtleSim
 from tests.benchmark.programs.reporting import report
 
 

@@ -1,0 +1,1 @@
+"""Points as files and pages: gradebooks, tables, feedback."""

@@ -1,0 +1,1 @@
+"""A class run: each notebook in a sandbox, with a checker of the grader."""

@@ -1,6 +1,0 @@
-"""What every kernel of the course's environment has from its start, `%ros2` and `%progress` among it."""
-
-c = get_config()  # type: ignore[name-defined] # noqa: F821
-c.InteractiveShellApp.extensions.extend(
-    ["course_kit.live.kernel_start", "course_kit.ros2.magic", "course_kit.checking.notebook"]
-)

@@ -1,0 +1,1 @@
+"""Chapter 5's exercises: a check each, and their worked solutions."""

@@ -1,0 +1,50 @@
+"""Chapter 6's exercises on the lab's robot: what each asks, and how it is checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from course_kit.base.arguments import shown
+from course_kit.exercises.checker.checks import check_of
+from course_kit.exercises.checker.vocabulary import expect, parts
+from course_kit.exercises.debugging.robot_well import expect_well
+from course_kit.exercises.faults import all_faults
+
+# What every action keeps is hidden, and true as well.
+KEPT = ("/speed_limit", "/turtle1/rotate_absolute/_action/status")
+LOSSY = ("/scan",)
+SEEDS = (9, 31, 17)
+
+
+@check_of("debugging-1")
+def who_keeps(value: Any) -> None:
+    """The topic that is kept for latecomers, and the one that may lose messages."""
+    kept, lossy = parts(value, 2)
+    for text, given, right, policy in (
+        ("the topic that is kept for those who come later", kept, KEPT, "Durability TRANSIENT_LOCAL"),
+        ("the topic that may lose messages", lossy, LOSSY, "Reliability BEST_EFFORT"),
+    ):
+        hint = f"You gave {shown(given)}. Its publisher has {policy}: `%ros2 topic info -v` of each topic shows it."
+        expect(text, _absolute(given) in right, hint)
+
+
+def _absolute(name: Any) -> str:
+    """The full name of a topic, also if it is the only one of a list or a set; "" for what is no name."""
+    if isinstance(name, list) and len(name) == 1:
+        name = name[0]
+    return f"/{name.strip().strip('/')}" if isinstance(name, str) else ""
+
+
+@check_of("debugging-6")
+def three_patients(value: Any) -> None:
+    """The causes of three faults, the last of which is repaired."""
+    for seed, cause in zip(SEEDS, parts(value, len(SEEDS)), strict=True):
+        fault = all_faults.pick(seed)
+        known = cause in all_faults.FAULTS if isinstance(cause, str) else False
+        expect(
+            f"the cause of seed {seed}",
+            cause == fault.id,
+            f"You gave {shown(cause)}. "
+            + (all_faults.find(cause).evidence if known else "It is an id, as `faults.catalogue()` lists them."),
+        )
+    expect_well(points=2)

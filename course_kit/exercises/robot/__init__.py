@@ -1,0 +1,1 @@
+"""Chapter 7's exercises: a check each, and their worked solutions."""

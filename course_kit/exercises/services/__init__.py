@@ -1,0 +1,1 @@
+"""Chapter 4's exercises: a check each, and their worked solutions."""

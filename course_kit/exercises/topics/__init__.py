@@ -1,0 +1,1 @@
+"""Chapter 3's exercises: a check each, and their worked solutions."""

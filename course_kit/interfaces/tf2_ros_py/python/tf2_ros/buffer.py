@@ -1,5 +1,0 @@
-"""Frames, and where they have been: to be asked, and waited for."""
-
-from course_kit.tf.buffer import Buffer
-
-__all__ = ["Buffer"]

@@ -1,6 +1,0 @@
-"""The same under the name that the module has in ROS."""
-
-from course_kit.tf.clouds import do_transform_cloud, transform_points
-from course_kit.tf.geometry import from_msg_msg, to_msg_msg
-
-__all__ = ["do_transform_cloud", "from_msg_msg", "to_msg_msg", "transform_points"]

@@ -1,0 +1,21 @@
+"""Where frames are in each other, and were: tf2 for Python. The course's; course_kit.robots.tf does the work."""
+
+from course_kit.robots.tf.core import BufferCore
+from course_kit.robots.tf.errors import (
+    ConnectivityException,
+    ExtrapolationException,
+    InvalidArgumentException,
+    LookupException,
+    TimeoutException,
+    TransformException,
+)
+
+__all__ = [
+    "BufferCore",
+    "ConnectivityException",
+    "ExtrapolationException",
+    "InvalidArgumentException",
+    "LookupException",
+    "TimeoutException",
+    "TransformException",
+]

@@ -1,0 +1,5 @@
+"""Tells where frames are for good."""
+
+from course_kit.robots.tf.broadcasters import StaticTransformBroadcaster
+
+__all__ = ["StaticTransformBroadcaster"]

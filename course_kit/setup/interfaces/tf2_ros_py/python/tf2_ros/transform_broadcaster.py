@@ -1,0 +1,5 @@
+"""Tells where frames are now."""
+
+from course_kit.robots.tf.broadcasters import TransformBroadcaster
+
+__all__ = ["TransformBroadcaster"]
