@@ -17,7 +17,7 @@ from nbformat import NotebookNode
 
 COURSE_KIT = Path(__file__).parents[1] / "course_kit"
 # Folders of course_kit with nodes that chapters start.
-OWN_PROGRAMS = ("turtlesim", "faults", "scene", "bags", "robot", "navigation", "tf", "tf_tools")
+OWN_PROGRAMS = ("robots", "exercises/faults", "lab/scene", "lab/bags", "lab/tf_tools")
 DRAWN = re.compile(r"(?<=static_transform_publisher)_\w{16}$")  # by which tf2's program tells itself from others
 OF_EVERY_NODE = (
     "rosout parameter_events describe_parameters get_parameters get_parameter_types get_type_description "

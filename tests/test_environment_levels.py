@@ -100,8 +100,8 @@ def test_nothing_but_the_grader_imports_them(modules):
     own = {path: path.read_text() for path in (ROOT / "course_kit").rglob("*.py")}
     found = {str(path.relative_to(ROOT / "course_kit")): imported(text) & modules for path, text in own.items()}
     assert {path: names for path, names in found.items() if names} == {
-        "grading/cluster.py": {"distributed"},
-        "grading/command.py": {"tqdm"},
+        "classroom/run/cluster.py": {"distributed"},
+        "classroom/command.py": {"tqdm"},
     }
     named = re.compile(rf"^\s*(?:import|from) ({'|'.join(map(re.escape, modules))})\b", re.MULTILINE)
     for notebook in (ROOT / "notebooks").glob("*.ipynb"):

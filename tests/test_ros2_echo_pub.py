@@ -7,13 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 import rclpy
-from rclpy.qos import (
-    DurabilityPolicy,
-    HistoryPolicy,
-    LivelinessPolicy,
-    QoSPresetProfiles,
-    ReliabilityPolicy,
-)
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSPresetProfiles, ReliabilityPolicy
 
 from course_kit.cli.ros2.command import run
 from course_kit.cli.ros2.messages.yaml_text import Shown

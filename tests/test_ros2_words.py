@@ -18,7 +18,7 @@ import course_kit
 from course_kit.cli.ros2.command import COMMANDS
 from tests.test_ros2_help import parser_of, parsers_below
 
-LAUNCHING = sorted((Path(course_kit.__file__).parent / "launching").glob("*.py"))
+LAUNCHING = sorted((Path(course_kit.__file__).parent / "cli/launching").glob("*.py"))
 THEIRS = re.findall(
     "[0-9a-f]{8}",
     """

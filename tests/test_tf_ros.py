@@ -25,13 +25,7 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock
 from tf2_msgs.srv import FrameGraph
-from tf2_ros import (
-    Buffer,
-    StaticTransformBroadcaster,
-    TransformBroadcaster,
-    TransformException,
-    TransformListener,
-)
+from tf2_ros import Buffer, StaticTransformBroadcaster, TransformBroadcaster, TransformException, TransformListener
 
 from course_kit.ros.internals.rclpy_parts import fast_executor
 from course_kit.ros.spinning import context

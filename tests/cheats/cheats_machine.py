@@ -150,7 +150,7 @@ for path in {list(map(str, WRITE))}:
     except OSError:
         pass
 names = [name for folder in glob.glob("/proc/[0-9]*") for name in [open(folder + "/cmdline").read()]]
-if any("nbval" in name or "course_kit.exercises.in_notebook" in name for name in names):
+if any("nbval" in name or "course_kit.exercises.checker" in name for name in names):
     print("ESCAPED: sees the grader's processes")
 secrets = [entry for entry in open("/proc/1/environ").read().split("\\0") if "COURSE_KIT_TEST" in entry]
 if secrets:

@@ -7,7 +7,7 @@ from itertools import accumulate
 
 import pytest
 
-from course_kit.exercises.topics.topics_1_and_2 import _why_not_five_a_second
+from course_kit.exercises.topics.topics_1_countdown import _why_not_five_a_second
 
 EVEN = [0.2] * 10
 DELAYED = [0.2, 0.01, 0.39, 0.2, 0.35, 0.05, 0.2, 0.38, 0.02, 0.2]  # by a busy machine: as many a second

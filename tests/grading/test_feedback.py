@@ -16,14 +16,7 @@ from playwright.sync_api import Page, sync_playwright
 
 from course_kit.classroom.report import feedback
 from course_kit.classroom.report.gradebook import file_names
-from tests.grading.test_gradebook import (
-    EVIL,
-    PROTECTION,
-    TITLE,
-    a_class,
-    count_down,
-    student,
-)
+from tests.grading.test_gradebook import EVIL, PROTECTION, TITLE, a_class, count_down, student
 from tests.lab import ARGUMENTS, CHROMIUM
 
 VOID = {"meta", "br", "link", "img", "input", "hr"}

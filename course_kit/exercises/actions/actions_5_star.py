@@ -1,4 +1,4 @@
-"""Chapter 5's star: what the exercise asks, and how it is checked."""
+"""The check of actions-5: an action server that draws a star and drives home."""
 
 from __future__ import annotations
 

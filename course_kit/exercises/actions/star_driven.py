@@ -1,4 +1,4 @@
-"""Chapter 5's star as a turtle drove it: whether it is one, and whether result and feedback tell what was driven."""
+"""The star of actions-5 as the turtle drove it: its shape, and what result and feedback say of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 6's exercise on logging: what it asks, and how it is checked."""
+"""The check of debugging-2: a node that logs at the right levels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 6's exercise on a watchdog: what it asks, and how it is checked."""
+"""The check of debugging-3: a node that reports when a topic falls silent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 6's exercise on a bag: what it asks, and how it is checked."""
+"""The check of debugging-4: a bag of a turtle that drives a circle."""
 
 from __future__ import annotations
 

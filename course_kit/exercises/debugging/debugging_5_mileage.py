@@ -1,4 +1,4 @@
-"""Chapter 6's exercise on a distance: what it asks, and how it is checked."""
+"""The check of debugging-5: a distance that teleports do not count in."""
 
 from __future__ import annotations
 

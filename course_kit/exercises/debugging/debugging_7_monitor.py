@@ -1,4 +1,4 @@
-"""Chapter 6's exercise on a monitor: what it asks, and how it is checked."""
+"""The check of debugging-7: a node that monitors the rates of topics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a check says about the lab's robot in the student's domain; for exercises, in the checker's process."""
+"""The words of a check about the lab's robot in the student's domain."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class CheckerProcess:
             environment, paths = surroundings.of_checker(surroundings.at_start(), domain)
             environment |= additions or {}
             self.domain = environment[surroundings.DOMAIN]
-            command = [sys.executable, "-I", "-m", "course_kit.exercises.in_notebook", str(theirs.fileno()), *paths]
+            command = [sys.executable, "-I", "-m", "course_kit.exercises.checker", str(theirs.fileno()), *paths]
             self.process = Process(
                 command, "checker", environment, Path("/"), in_terminal=False, hand_over=[theirs.fileno()]
             )

@@ -1,4 +1,4 @@
-"""The worlds of chapter 7's exam: in each the goal is behind walls of which nobody knows at the start."""
+"""The worlds of the exam: in each, walls that no map shows stand before the goal."""
 
 from __future__ import annotations
 

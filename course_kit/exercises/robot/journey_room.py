@@ -1,4 +1,4 @@
-"""The room of the exercise on journeys: a robot, tf, a planner that does not know all, and how a journey went."""
+"""The room of robot-8: a robot, tf, a planner that does not know all, and how a journey went."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 7's exercise on one beam: what it asks, and how it is checked."""
+"""The check of robot-3: the cells of a grid that one beam of a laser passes."""
 
 from __future__ import annotations
 

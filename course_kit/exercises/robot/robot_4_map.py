@@ -1,4 +1,4 @@
-"""Chapter 7's exercise on a map: what it asks, and how it is checked."""
+"""The check of robot-4: a map from scans."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 7's exercise on map → odom: what it asks, and how it is checked."""
+"""The check of robot-5: the transform from map to odom."""
 
 from __future__ import annotations
 

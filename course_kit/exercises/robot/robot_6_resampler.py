@@ -1,4 +1,4 @@
-"""Chapter 7's exercise on particles: what it asks, and how it is checked."""
+"""The check of robot-6: particles drawn anew by their weights."""
 
 from __future__ import annotations
 

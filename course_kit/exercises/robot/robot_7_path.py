@@ -1,4 +1,4 @@
-"""Chapter 7's exercise on planning: what it asks, and how it is checked."""
+"""The check of robot-7: a path on a map."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 7's exercise on a journey as an action: what it asks, and how it is checked."""
+"""The check of robot-8: an action server that drives the robot to a goal."""
 
 from __future__ import annotations
 

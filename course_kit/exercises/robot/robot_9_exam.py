@@ -1,4 +1,4 @@
-"""Chapter 7's exam: a launch that finds its way in worlds drawn for each check, and how that is judged."""
+"""The check of robot-9, the exam: a launch that finds its way in worlds that are drawn for each check."""
 
 from __future__ import annotations
 

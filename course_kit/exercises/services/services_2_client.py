@@ -1,4 +1,4 @@
-"""Chapter 4's exercise about a client that never hangs."""
+"""The check of services-2: a client that never hangs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 4's project: a turtle draws a star when it is asked to."""
+"""The check of services-5: a turtle draws a star when it is asked to."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 3's relay: what it asks of the messages of two topics, and how it is checked."""
+"""The check of topics-3: a relay from one topic to another."""
 
 from __future__ import annotations
 

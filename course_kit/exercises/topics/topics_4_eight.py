@@ -1,4 +1,4 @@
-"""Chapter 3's project, a figure of eight: what it asks of the turtle, and how it is checked."""
+"""The check of topics-4: a turtle drives a figure of eight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 2's exercise about types: a message and a service of the student's own, and a node that uses them."""
+"""The check of workspace-4: a message and a service of the student's own, and a node that uses them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Chapter 2's project: a package that drives turtles in squares, and how it is checked."""
+"""The check of workspace-5: a package that drives turtles in squares."""
 
 from __future__ import annotations
 

@@ -21,15 +21,7 @@ from typing import Any
 from course_kit.base.arguments import PATH, RATE, TEXT, takes
 from course_kit.base.polling import wait_until
 from course_kit.base.whole_files import writing
-from course_kit.lab.bags.files import (
-    BagInfo,
-    BagTopic,
-    OpenBag,
-    info,
-    is_being_recorded,
-    opened,
-    storage_files,
-)
+from course_kit.lab.bags.files import BagInfo, BagTopic, OpenBag, info, is_being_recorded, opened, storage_files
 from course_kit.lab.bags.repair import reindex
 from course_kit.lab.bags.storage import BagError
 from course_kit.ros.watching import topics

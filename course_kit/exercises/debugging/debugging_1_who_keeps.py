@@ -1,4 +1,4 @@
-"""Chapter 6's exercises on the lab's robot: what each asks, and how it is checked."""
+"""The check of debugging-1: which topics keep messages, and which lose some."""
 
 from __future__ import annotations
 
@@ -7,13 +7,10 @@ from typing import Any
 from course_kit.base.arguments import shown
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.vocabulary import expect, parts
-from course_kit.exercises.debugging.robot_well import expect_well
-from course_kit.exercises.faults import all_faults
 
 # What every action keeps is hidden, and true as well.
 KEPT = ("/speed_limit", "/turtle1/rotate_absolute/_action/status")
 LOSSY = ("/scan",)
-SEEDS = (9, 31, 17)
 
 
 @check_of("debugging-1")
@@ -33,18 +30,3 @@ def _absolute(name: Any) -> str:
     if isinstance(name, list) and len(name) == 1:
         name = name[0]
     return f"/{name.strip().strip('/')}" if isinstance(name, str) else ""
-
-
-@check_of("debugging-6")
-def three_patients(value: Any) -> None:
-    """The causes of three faults, the last of which is repaired."""
-    for seed, cause in zip(SEEDS, parts(value, len(SEEDS)), strict=True):
-        fault = all_faults.pick(seed)
-        known = cause in all_faults.FAULTS if isinstance(cause, str) else False
-        expect(
-            f"the cause of seed {seed}",
-            cause == fault.id,
-            f"You gave {shown(cause)}. "
-            + (all_faults.find(cause).evidence if known else "It is an id, as `faults.catalogue()` lists them."),
-        )
-    expect_well(points=2)

@@ -1,15 +1,13 @@
-"""Chapter 2's exercises about programs: what each asks of packages and launches, and how it is checked."""
+"""The check of workspace-2: a node of a package that says louder what it hears."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.examination import current
 from course_kit.exercises.checker.vocabulary import chance, expect, pause, wait
 from course_kit.exercises.checker.vocabulary_topics import (
     expect_compatible_subscription,
@@ -23,17 +21,14 @@ from course_kit.exercises.checker.vocabulary_topics import (
 from course_kit.exercises.checker.vocabulary_workspace import (
     expect_executable,
     expect_gone,
-    expect_installed,
     expect_nodes,
     expect_package,
     interrupt,
-    run_to_end,
     said,
     set_parameter,
     start,
 )
 from course_kit.ros.observing.heard import Heard
-from course_kit.ros.watching.topics import node_name
 
 PHRASES = (
     "good morning", "Fresh Coffee", "mañana a las 7", "naïve café", "Привет, мир", "ώρα", "ünten links", "Robot no. 5",
@@ -41,25 +36,7 @@ PHRASES = (
 )  # fmt: skip
 MARKS = (" ok", " she said", " (aha)", " och då", "~abc")  # with letters, which stay as they are
 START_MARKS = ("oh…", "(oh)", "^o^", "¡aha", "_end")
-WARNING = re.compile(r"^\s|warning", re.IGNORECASE)  # of Python, of what the student did not write
 ECHO_TIMEOUT = 4.0  # seconds; most is for a busy machine
-ROOM_WORDS = (
-    "Soup", "Toast", "Salad", "Pasta", "Lemon", "Bread", "Dust", "Boxes", "Moths", "Ghosts", "Books", "Trunks",
-)  # fmt: skip
-
-
-@check_of("workspace-1")
-def greeter() -> None:
-    """The package is built, and its program greets."""
-    expect_package("greeter", "ament_python", points=1)
-    expect_executable("greeter", "greet")
-    greet = run_to_end("ros2", "run", "greeter", "greet", timeout=15.0)
-    lines = [line.strip() for line in greet.lines if line.strip() and not WARNING.search(line)]
-    expect(
-        "`ros2 run greeter greet` says `Hi from greeter.`, nothing else, and ends with status 0",
-        greet.status == 0 and lines == ["Hi from greeter."],
-        f"{said(greet)}`--node-name greet` makes a program that says so, in one line: leave it as it was made.",
-    )
 
 
 @check_of("workspace-2")
@@ -176,46 +153,3 @@ def _described(phrases: Sequence[str], heard: Sequence[str]) -> str:
 
 def _quoted(words: Sequence[str]) -> str:
     return ", ".join(repr(word) for word in words)
-
-
-@check_of("workspace-3")
-def rooms() -> None:
-    """A launch of two rooms with words of their own; the kitchen's talker is heard in both, the attic's in none."""
-    expect_package("greeter", "ament_python")
-    expect_installed("greeter", "launch/rooms.launch.py")
-    words = dict(zip(("kitchen", "attic"), chance().sample(ROOM_WORDS, 2), strict=True))
-    arguments = [f"{room}_words:={said_there}" for room, said_there in words.items()]
-    chance().shuffle(arguments)
-    launch = start("ros2", "launch", "greeter", "rooms.launch.py", *arguments)
-    nodes = [f"/{room}/{name}" for room in words for name in ("talker", "loud")]
-    expect_nodes(launch, *nodes, points=1)
-    talkers, louds = ([listen(f"/{room}/{topic}", String) for room in words] for topic in ("chatter", "loud"))
-    wait(lambda: all(len(heard) >= 4 for heard in talkers), 12.0, "words in both rooms")
-    wait(lambda: all(len(heard) >= 4 for heard in louds), 4.0, "the words of both louds")
-    kitchen, attic = map(_words, talkers)
-    expect(
-        "each room has the words of its argument",
-        kitchen == {words["kitchen"]} and attic == {words["attic"]},
-        f"With `{' '.join(arguments)}` the talker of the kitchen said {_listed(kitchen)}, that of the attic "
-        f'{_listed(attic)}: DeclareLaunchArgument, and parameters=[{{"words": LaunchConfiguration(…)}}]. '
-        f"`%ros2 topic list` shows where they talk.",
-    )
-    in_kitchen, in_attic = map(_words, louds)
-    at_attics = {node_name(end) for end in current().stage.subscriptions("/attic/chatter")}
-    expect(
-        "both `loud` hear the kitchen, and only the kitchen",
-        in_kitchen == in_attic == {said_there.upper() for said_there in kitchen} and not at_attics & set(nodes),
-        f"The kitchen says {_listed(kitchen)}. On `/kitchen/loud` there was {_listed(in_kitchen)}, on "
-        f"`/attic/loud` {_listed(in_attic)}: the subscription `chatter` of the attic's, and only of that, is to be "
-        f"remapped to `/kitchen/chatter`, with a slash, or the name stays in the attic. `%ros2 node info /attic/loud` "
-        f"shows it.",
-    )
-
-
-def _words(heard: Heard) -> set[str]:
-    """The words in front of the numbers."""
-    return {text.split(":")[0] for text in values(heard, "data")}
-
-
-def _listed(words: set[str]) -> str:
-    return ", ".join(f"`{word}`" for word in sorted(words)) or "nothing"
