@@ -59,9 +59,9 @@ class Dependencies:
             self._add(notebook.removeprefix("notebooks."), "tests.test_notebooks")
             self._add(notebook.removeprefix("notebooks."), notebook)
             self._add("tests.chapters", notebook)  # its form, its terms
-            modules = ["tests.exercises.test_answers", f"tests.exercises.answers_{chapter}", notebook]
-            paths = (ROOT / "course_kit/exercises" / chapter).glob("*.py")
-            modules += [module_of(path.relative_to(ROOT)) for path in paths]
+            modules = ["tests.exercises.test_answers", notebook]
+            folders = (ROOT / package / "exercises" / chapter for package in PACKAGES)
+            modules += [module_of(path.relative_to(ROOT)) for folder in folders for path in folder.glob("*.py")]
             for group in sorted({group_of(one.name) for one in catalogue.of_chapter(chapter)}):
                 for module in modules:
                     self._add(group, module)

@@ -133,6 +133,6 @@ def test_files_with_a_class_are_compared_as_classes_and_others_as_texts() -> Non
 
 @pytest.mark.parametrize("chapter", ["topics", "services", "actions", "debugging", "robot"])
 def test_right_answers_in_other_styles_can_all_be_compared(chapter: str) -> None:
-    for answers in answers_to(chapter).ANSWERS:
+    for answers in answers_to(chapter):
         for style in answers.right.values():
             assert all(isinstance(each, str) and each for each in differences.of_classes(style, answers.reference))

@@ -44,7 +44,7 @@ class Cheat:
 
 def wrong(exercise: str, name: str) -> Wrong:
     """A wrong answer of those that the exercises are tested with."""
-    answers = next(a for a in answers_to(exercise.rpartition("-")[0]).ANSWERS if a.exercise == exercise)
+    answers = next(a for a in answers_to(exercise.rpartition("-")[0]) if a.exercise == exercise)
     return next(answer for answer in answers.wrong if answer.name == name)
 
 

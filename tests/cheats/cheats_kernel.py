@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.cheats.cheat import EMPTY, Cheat, wrong
-from tests.exercises.answers_services import LAMP
+from tests.exercises.services.services_1_lamp import LAMP
 
 FULL = '"services-1 · A lamp: 2 of 2 points"'
 TRIED = '\nprint("tried")\n'

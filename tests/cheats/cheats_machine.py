@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.cheats.cheat import CANARY, EMPTY, LEFT_BEHIND, PORT, WRONG_REPORT, Cheat
-from tests.exercises.answers_services import LAMP
+from tests.exercises.services.services_1_lamp import LAMP
 
 COURSE = Path(__file__).parents[2]
 TRIED = '\nprint("tried")\n'
@@ -118,7 +118,10 @@ CHEATS = [
     for name, (tries, source) in ENDS.items()
 ]
 READ = [
-    *(COURSE / name for name in ("tests/exercises/answers_services.py", "notebooks/04_services.ipynb", ".git/HEAD")),
+    *(
+        COURSE / name
+        for name in ("tests/exercises/services/services_1_lamp.py", "notebooks/04_services.ipynb", ".git/HEAD")
+    ),
     *map(
         Path,
         ("/etc/passwd", "/etc/shadow", "/etc/hostname", "/run/grading/job/job.json", "/proc/1/root/run/grading/job"),

@@ -17,7 +17,7 @@ import nbformat
 
 from course_kit.exercises.notebooks.reference import ANSWER, CHECK, mark_of
 from tests.cheats.cheat import WRONG_REPORT
-from tests.exercises.answers_setup import REPORT
+from tests.exercises.setup.setup_1_report import REPORT
 from tests.grading.handed_in import CHAPTERS, notebook
 
 NAME = CHAPTERS["setup"].path.name

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from tests.cheats.cheat import EMPTY, Cheat, wrong
-from tests.exercises.answers_actions_west import FACE_WEST
-from tests.exercises.answers_services import LAMP
+from tests.exercises.actions.actions_1_face_west import FACE_WEST
 from tests.exercises.chapter import changed
-from tests.exercises.workspace_cells import PREPARE
-from tests.exercises.workspace_greeters import BY_HAND, EDITED_INSTALLED, GREETER, SHELL_SCRIPT
+from tests.exercises.services.services_1_lamp import LAMP
+from tests.exercises.workspace.cells import PREPARE
+from tests.exercises.workspace.workspace_1_greeter import BY_HAND, EDITED_INSTALLED, GREETER, SHELL_SCRIPT
 
 # Answers to what was drawn, by heart, and false nodes: those that the exercises are tested with.
 KNOWN = {

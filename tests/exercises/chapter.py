@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
@@ -154,12 +153,15 @@ class Chapter:
         return str(displayed[0]["text/plain"]).strip()
 
 
-def answers_to(name: str) -> ModuleType:
-    """The module with the ANSWERS to a chapter's exercises.
+def answers_to(name: str) -> list[Answers]:
+    """Return the answers to a chapter's exercises, in order: the ANSWERS of the modules in the chapter's folder."""
+    modules = sorted(path.stem for path in Path(__file__).with_name(name).glob(f"{name}_[0-9]*.py"))
+    return [importlib.import_module(f"tests.exercises.{name}.{module}").ANSWERS for module in modules]
 
-    It has PREPARE, what the tests' answers are made with, where they need something besides.
-    """
-    return importlib.import_module(f"tests.exercises.answers_{name}")
+
+def preparation(name: str) -> str:
+    """Return the code that a chapter's answers are made with, where they need something besides."""
+    return getattr(importlib.import_module(f"tests.exercises.{name}"), "PREPARE", "")
 
 
 def _workspace_with(package: str) -> Path:
@@ -178,8 +180,7 @@ def _workspace_with(package: str) -> Path:
 @contextmanager
 def chapter(name: str) -> Iterator[Chapter]:
     """The kernel of a chapter, such as "topics", run up to the exercises; its folder, state and domain are its own."""
-    path, answers = FOLDER / f"{NOTEBOOKS[name]}.ipynb", answers_to(name)
-    prepare = getattr(answers, "PREPARE", "")
+    path = FOLDER / f"{NOTEBOOKS[name]}.ipynb"
     with reserved_domain() as domain, tempfile.TemporaryDirectory() as state, tempfile.TemporaryDirectory() as folder:
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv("ROS_DOMAIN_ID", str(domain))
@@ -191,7 +192,7 @@ def chapter(name: str) -> Iterator[Chapter]:
                 shutil.copytree(_workspace_with(PROVIDED[name]), Path(folder, "ros2_ws"), ignore=built)
             made = Chapter(kernel, path)
             made.run_prerequisites()
-            kernel.run(prepare + KEEP_NODES, CELL_TIMEOUT)
+            kernel.run(preparation(name) + KEEP_NODES, CELL_TIMEOUT)
             yield made
         finally:
             kernel.close()

@@ -44,7 +44,7 @@ def main() -> int:
     equivalent: dict[str, dict[str, str]] = yaml.safe_load(EQUIVALENT.read_text())
     is_left = False
     for name in CHAPTERS:
-        for answers in answers_to(name).ANSWERS:
+        for answers in answers_to(name):
             if chosen.only and not {name, answers.exercise} & set(chosen.only):
                 continue
             exercise = catalogue.find(answers.exercise)

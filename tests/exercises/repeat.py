@@ -66,7 +66,7 @@ def _busy(count: int) -> Iterator[None]:
 def _answers(chapter: str, only: tuple[str, ...], only_right: bool) -> dict[Put, Expected]:
     """The answers of a chapter, and what each must get."""
     found: dict[Put, Expected] = {}
-    for one in answers_to(chapter).ANSWERS:
+    for one in answers_to(chapter):
         expected = {} if only_right else {w.name: (w.source, (w.points, one.points, w.hint)) for w in one.wrong}
         rights = {"reference": one.reference, **one.right}
         expected |= {style: (source, (one.points, one.points, "")) for style, source in rights.items()}

@@ -54,13 +54,13 @@ def row(answers: Answers, number: int, *values: Any, id: str, marks: Sequence[py
 
 def every_exercise() -> Iterator[Any]:
     for name in CHAPTERS:
-        for answers in answers_to(name).ANSWERS:
+        for answers in answers_to(name):
             yield row(answers, 0, id=answers.exercise)
 
 
 def every_answer() -> Iterator[Any]:
     for name in CHAPTERS:
-        for answers in answers_to(name).ANSWERS:
+        for answers in answers_to(name):
             further = [BUILDS] if name == "workspace" else [FURTHER]
             yield row(answers, 0, answers.reference, answers.points, "", id=f"{answers.exercise}-reference")
             for number, wrong in enumerate(answers.wrong):
@@ -87,10 +87,10 @@ def test_answer(notebook: Chapter, answers: Answers, source: str, points: int, h
 
 
 def test_every_exercise_has_three_wrong_answers_at_least():
-    few = [one.exercise for name in CHAPTERS for one in answers_to(name).ANSWERS if len(one.wrong) < 3]
+    few = [one.exercise for name in CHAPTERS for one in answers_to(name) if len(one.wrong) < 3]
     assert few == []
 
 
 def test_every_exercise_has_three_right_answers_at_least():
-    few = [one.exercise for name in CHAPTERS for one in answers_to(name).ANSWERS if len(one.right) < 2]
+    few = [one.exercise for name in CHAPTERS for one in answers_to(name) if len(one.right) < 2]
     assert few == []

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import nbformat
 import pytest
 
 from course_kit.exercises import catalogue
+from course_kit.exercises.checker import checks
 from course_kit.exercises.exercise import Exercise
+from course_kit.exercises.solutions import worked
 from tests.exercises.chapter import FOLDER
 
 PATHS = sorted(FOLDER.glob("[0-9][0-9]_*.ipynb"))
@@ -37,3 +40,17 @@ def test_the_cells_say_what_the_declaration_says(exercise: Exercise):
     assert check.source.endswith(")") and f'check("{exercise.name}"' in check.source
     assert "nbval-ignore-output" not in check.metadata.get("tags", [])
     assert check.outputs[0]["data"]["text/plain"].splitlines()[0].endswith(": not begun")
+
+
+@pytest.mark.parametrize("exercise", catalogue.EXERCISES, ids=lambda one: one.name)
+def test_check_solution_and_answers_stand_in_the_folders_of_the_chapter(exercise: Exercise):
+    check = f"{exercise.name.replace('-', '_')}_*.py"
+    code, answers = (folder / exercise.chapter for folder in (worked.EXERCISES, Path(__file__).parent))
+    assert [len(list(folder.glob(check))) for folder in (code, answers)] == [1, 1]
+    assert (code / worked.FOLDER / f"{exercise.name}.md").is_file()
+    assert callable(checks.find(exercise).judge)
+
+
+def test_every_check_is_of_an_exercise():
+    for chapter in catalogue.CHAPTERS:
+        assert len(checks.of_chapter(chapter)) == len(catalogue.of_chapter(chapter)) > 0

@@ -13,9 +13,9 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 import pytest
 
-from tests.exercises.answers_services import LAMP
-from tests.exercises.answers_topics_countdown import COUNTDOWN
 from tests.exercises.chapter import changed
+from tests.exercises.services.services_1_lamp import LAMP
+from tests.exercises.topics.topics_1_countdown import COUNTDOWN
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 

@@ -11,7 +11,7 @@ import pytest
 from course_kit.exercises.checker import own_types
 from course_kit.exercises.checker.definitions import arranged, is_as_asked, shown
 from tests.exercises.chapter import CHECK_TIMEOUT, Chapter, chapter, judge
-from tests.exercises.workspace_batteries import BATTERY, CHARGER, CHARGER_CLASS, RECHARGE, types
+from tests.exercises.workspace.workspace_4_battery import BATTERY, CHARGER, CHARGER_CLASS, RECHARGE, types
 from tests.packages import write
 
 pytestmark = [pytest.mark.cpu_bound, pytest.mark.by_turns("builds of packages")]

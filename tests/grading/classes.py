@@ -35,7 +35,7 @@ class Student:
 
 def students(count: int) -> Iterator[Student]:
     """Students whose answers are all different, if only by a remark."""
-    first, second = (next(a for a in answers_to(CHAPTER).ANSWERS if a.exercise == name) for name in ASKED)
+    first, second = (next(a for a in answers_to(CHAPTER) if a.exercise == name) for name in ASKED)
     for number in range(count):
         name = f"student{number:02}"
         a, points_a = _one_of(first, number)

@@ -9,11 +9,11 @@ from pathlib import Path
 import nbformat
 
 from course_kit.exercises.notebooks.reference import ANSWER, NOTEBOOKS, PATTERN, Chapter, mark_of
-from tests.exercises.chapter import answers_to
+from tests.exercises.chapter import answers_to, preparation
 
 CHAPTERS = {chapter.name: chapter for chapter in map(Chapter, sorted(NOTEBOOKS.glob(PATTERN)))}
 # What the tests' answers to an exercise are made with, where they need something besides the chapter.
-PREPARED = {name: getattr(answers_to(name), "PREPARE", "") for name in CHAPTERS}
+PREPARED = {name: preparation(name) for name in CHAPTERS}
 
 
 def notebook(chapter: str, answers: Mapping[str, str]) -> nbformat.NotebookNode:
@@ -41,4 +41,4 @@ def hand_in(folder: Path, chapter: str, answers: Mapping[str, str]) -> Path:
 def references(chapter: str) -> dict[str, str]:
     """The reference answers of a chapter, each of which runs by itself."""
     prepared = PREPARED[chapter]
-    return {each.exercise: f"{prepared}\n{each.reference}" for each in answers_to(chapter).ANSWERS}
+    return {each.exercise: f"{prepared}\n{each.reference}" for each in answers_to(chapter)}

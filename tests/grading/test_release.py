@@ -386,7 +386,7 @@ def test_a_solution_in_an_answer_cell_is_not_released(own, tmp_path, copied):
 
 
 def test_a_link_to_what_students_do_not_get_is_refused(own, tmp_path):
-    (own / "notebooks/solutions.py").symlink_to("../tests/exercises/answers_topics.py")
+    (own / "notebooks/solutions.py").symlink_to("../tests/exercises/topics/styles.py")
     commit(own)
     assert "notebooks/solutions.py is no file of the students' edition" in refused(own, tmp_path / "course.zip")
 

@@ -1,0 +1,1 @@
+"""Answers to the exercises of chapter 1: right ones in several styles, and wrong ones that students give."""
