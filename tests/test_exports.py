@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import course_kit
+from course_kit.exercises.catalogue import CHAPTERS
 
 NAMES = sorted(course_kit.EXPORTS)
 
@@ -19,6 +21,20 @@ def test_every_name_is_what_it_says_whatever_was_imported_before(names):
     lines += [f"from course_kit import {name}\nprint({name!r}) if {name} is None else None" for name in names]
     done = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, timeout=60)
     assert (done.stdout, done.stderr) == ("", "")
+
+
+def test_a_students_process_loads_nothing_of_the_classroom_and_of_the_checkers_half():
+    """Also after a check, a solution, the student's progress, and a robot with a fault."""
+    code = (
+        "import sys, course_kit\nfrom course_kit import *\nfrom course_kit.exercises.in_notebook import progress\n"
+        "check('topics-1'); solution('topics-1'); print(progress.Progress())\nfaults.start('qos')\n"
+        "print(sorted(name for name in sys.modules if name.startswith('course_kit.')), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    loaded = ast.literal_eval(done.stderr.splitlines()[-1])
+    assert "topics-1" in done.stdout and len(loaded) > 200
+    ours = ("course_kit.classroom", "course_kit.exercises.checker", *map("course_kit.exercises.{}".format, CHAPTERS))
+    assert [name for name in loaded if name.startswith(ours)] == []
 
 
 def test_no_module_hides_the_name_that_it_gives():

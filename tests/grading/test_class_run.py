@@ -87,13 +87,13 @@ def test_what_is_kept_is_used_again_unless_it_is_damaged_or_could_not_be_looked_
 
 
 def test_the_course_the_answers_and_what_is_asked_for_decide_what_is_new():
-    master = class_run.master.chapters()[2]
+    chapter = class_run.reference.chapters()[2]
     work = Work("topics", {"topics-2": "x = 1"}, ("topics-2",))
     others = [
-        work.digest(master, "another course"),
-        Work("topics", {"topics-2": "x = 2"}, ("topics-2",)).digest(master, "course"),
-        Work("topics", {"topics-2": "x = 1"}, ("topics-2", "topics-3")).digest(master, "course"),
-        Work("topics", {"topics-2": "x = 1"}, ("topics-2",), {"a": b""}).digest(master, "course"),
-        work.digest(class_run.master.chapters()[3], "course"),
+        work.digest(chapter, "another course"),
+        Work("topics", {"topics-2": "x = 2"}, ("topics-2",)).digest(chapter, "course"),
+        Work("topics", {"topics-2": "x = 1"}, ("topics-2", "topics-3")).digest(chapter, "course"),
+        Work("topics", {"topics-2": "x = 1"}, ("topics-2",), {"a": b""}).digest(chapter, "course"),
+        work.digest(class_run.reference.chapters()[3], "course"),
     ]
-    assert len({work.digest(master, "course"), *others}) == 6
+    assert len({work.digest(chapter, "course"), *others}) == 6

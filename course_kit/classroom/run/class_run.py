@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import functools
-import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
@@ -15,6 +13,7 @@ from typing import Any
 from course_kit.base.whole_files import write_whole
 from course_kit.classroom.results import ExerciseResult, StudentResult
 from course_kit.classroom.run import notebook_run, sandbox
+from course_kit.classroom.run.course_digest import course_digest
 from course_kit.classroom.run.notebook_run import Found, Settings
 from course_kit.classroom.run.submission import Submission, Work
 from course_kit.exercises import catalogue
@@ -135,15 +134,6 @@ def prepare(names: Sequence[str]) -> None:
     """Have what the checks of these exercises need compiled once, before the sandboxes in which nothing can be kept."""
     for package in {package for name in names for package in catalogue.find(name).types}:
         own_types.provide(package)
-
-
-@functools.cache
-def course_digest() -> str:
-    """What tells one version of the checks from another: all modules of the course."""
-    digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parents[2].rglob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 def _found(data: Mapping[str, Any]) -> Found:
