@@ -124,7 +124,7 @@ def _grade(chosen: argparse.Namespace) -> int:
 
 def _read(chosen: argparse.Namespace, asked: Sequence[str]) -> list[submission.Submission]:
     chapters = reference.chapters()
-    names = [chapter.path.name for chapter in chapters]
+    names = [chapter.file for chapter in chapters]
     found = (
         [handins.find_own(chosen.submissions, names)] if chosen.out is None else handins.find(chosen.submissions, names)
     )

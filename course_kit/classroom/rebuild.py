@@ -11,7 +11,7 @@ from typing import Any
 
 import nbformat
 
-from course_kit.exercises.notebooks.reference import ANSWER, CHECK, EXERCISE, Chapter, prerequisites
+from course_kit.exercises.notebooks.reference import ANSWER, CHECK, EXERCISE, Chapter, is_untouched, prerequisites
 from course_kit.exercises.protocol.verdict import points_text
 
 LONGEST_ANSWER = 200_000  # characters
@@ -48,7 +48,7 @@ class Answers:
 def answers_of(data: bytes, name: str, chapter: Chapter) -> Answers:
     """The sources of the answer cells of a notebook, by their ids; whatever it is, it raises nothing.
 
-    An answer that is the course's own, untouched, is left out: it was not begun.
+    An untouched answer is left out: it was not begun.
     """
     try:
         cells = json.loads(data)["cells"]
@@ -62,7 +62,7 @@ def answers_of(data: bytes, name: str, chapter: Chapter) -> Answers:
         problem = _problem(same)
         if problem:
             notes.append(f"{task.name}: {problem.format(cell=f'the answer cell {own.id} of {name}')}")
-        elif (source := _source_of(same[0])).strip() != own.source.strip():
+        elif not is_untouched(source := _source_of(same[0])):
             sources[task.name] = source
     added = [cell for cell_id, cell in found if cell_id not in chapter.ids and cell.get("cell_type") == "code"]
     if count := sum(bool((_source_of(cell) or "").strip()) for cell in added):
@@ -112,7 +112,7 @@ def rebuilt(
         if task.name not in only and task.name not in sources:
             continue
         text, answer, check = (copy.deepcopy(chapter.cell(role, task.name)) for role in (EXERCISE, ANSWER, CHECK))
-        answer.source = sources.get(task.name, answer.source)
+        answer.source = sources.get(task.name) or chapter.untouched(task.name)
         _unchecked(answer)
         cells += [text, answer]
         if task.name in only:

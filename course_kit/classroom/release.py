@@ -19,7 +19,7 @@ import nbformat
 
 from course_kit.base.whole_files import NotWritten, write_whole, writing
 from course_kit.exercises.catalogue import CHAPTERS
-from course_kit.exercises.notebooks.reference import ANSWER, CHECK, EXERCISE, mark_of
+from course_kit.exercises.notebooks.reference import ANSWER, CHECK, EXERCISE, is_untouched, mark_of, stripped
 
 CLONE = Path(__file__).parents[2]
 TOP, MANIFEST, FORMAT = "ros2-notebook-course", "manifest.json", 1
@@ -29,6 +29,7 @@ LEFT_OUT = (".ci/", "CHANGELOG.md", "CONTRIBUTING.md", *DOCS, "tests/")
 SOLUTIONS = tuple(
     f"course_kit/exercises/{chapter}/solutions/" for chapter in CHAPTERS
 )  # what `solution()` shows; an edition may be made without
+COPIES = "course_kit/exercises/notebooks/edition"  # of the marked cells, for catch_up() and `course grade .`
 MODES = {"100644": 0o644, "100755": 0o755}  # as git keeps them: those of the disk depend on umask and file system
 NOTEBOOK = re.compile(r"notebooks/\d\d_\w+\.ipynb")
 KEPT_EMPTY = "kept-empty"  # the tag of cells about the reader's own machine and points
@@ -63,11 +64,14 @@ def write(zip_path: Path, root: Path = CLONE, with_solutions: bool = True) -> Pa
     mode, readme = files["README.md"]
     text = ON_SOLUTIONS.sub(lambda part: part[1] if with_solutions else "", readme.decode())
     files["README.md"] = mode, MARKED.sub(lambda part: part[1] or "", text).encode()
+    for path in list(filter(NOTEBOOK.fullmatch, files)):
+        marked = stripped(nbformat.reads(files[path][1].decode(), as_version=4))
+        files[f"{COPIES}/{Path(path).name}"] = MODES["100644"], marked.encode()
     manifest = {
         "format": FORMAT,
         "course": project[1],
         "files": {path: sha256(content).hexdigest() for path, (_, content) in files.items()},
-        "exercises": _exercises(root, files),
+        "exercises": _exercises(files),
         "solutions": with_solutions,
     }
     files[MANIFEST] = MODES["100644"], (json.dumps(manifest, indent=1, sort_keys=True) + "\n").encode()
@@ -128,16 +132,14 @@ def _without_own_machine(notebook: bytes) -> bytes:
     return (nbformat.writes(whole) + "\n").encode()
 
 
-def _exercises(root: Path, files: Mapping[str, tuple[int, bytes]]) -> dict[str, dict[str, Any]]:
+def _exercises(files: Mapping[str, tuple[int, bytes]]) -> dict[str, dict[str, Any]]:
     """By name, each exercise's notebook, points, cells and check. Refused where an answer may be a solution."""
     found: dict[str, dict[str, Any]] = {}
     for path in filter(NOTEBOOK.fullmatch, files):
-        committed = _cells(_git(root, "cat-file", "blob", f"HEAD:{path}"))
-        empty = {(mark["exercise"], cell.source) for mark, cell in committed if mark["role"] == ANSWER}
         for mark, cell in _cells(files[path][1].decode()):
             name, role = mark["exercise"], mark["role"]
-            if role == ANSWER and (name, cell.source) not in empty:
-                raise Refused(f"the answer cell of {name} in {path} is not as committed: it may hold a solution")
+            if role == ANSWER and not is_untouched(cell.source):
+                raise Refused(f"the answer cell of {name} in {path} is not untouched: it may hold a solution")
             about = found.setdefault(name, {"notebook": path, "points": mark["points"], "cells": {}})
             about["cells"][role] = cell.id
             if role == CHECK:

@@ -131,7 +131,7 @@ READ = [
 WRITE = [
     *(
         COURSE / "course_kit" / name
-        for name in ("exercises/services/cheat.py", "cheat.py", "exercises/notebooks/masters/new")
+        for name in ("exercises/services/cheat.py", "cheat.py", "exercises/notebooks/edition")
     ),
     *map(Path, ("/usr/cheat", "/run/grading/meeting/cheat", "/run/grading/meeting/checker")),
 ]

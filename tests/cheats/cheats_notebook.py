@@ -20,7 +20,7 @@ from tests.cheats.cheat import WRONG_REPORT
 from tests.exercises.setup.setup_1_report import REPORT
 from tests.grading.handed_in import CHAPTERS, notebook
 
-NAME = CHAPTERS["setup"].path.name
+NAME = CHAPTERS["setup"].file
 FULL = "setup-1 · Read the report: 1 of 1 point\n"
 Change = Callable[[Any], Any]
 

@@ -156,7 +156,7 @@ def test_what_is_done_to_a_hand_in_scores_nothing(handed_in: HandedIn, tmp_path:
     before = {path for path in tmp_path.rglob("*") if not path.is_relative_to(folder)}
     chapters = list(CHAPTERS.values())
     with _nothing_left():
-        found = handins.find(folder, [chapter.path.name for chapter in chapters])
+        found = handins.find(folder, [chapter.file for chapter in chapters])
         submissions = [submission.read(one, chapters, handed_in.asked) for one in found]
         results = ClassRun(Settings(timeout=20.0), 1, grades).grade(submissions, lambda result: None)
     points = {result.student: result.points for result in results}

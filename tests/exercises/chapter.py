@@ -114,8 +114,8 @@ class Chapter:
     def __init__(self, kernel: Kernel, path: Path) -> None:
         self.kernel = kernel
         self.untouched: dict[str, str] = {}
-        self.master = reference.Chapter(path)
-        self.cells = {cell.id: cell for cell in self.master.notebook.cells}
+        self.reference = reference.Chapter(path.name, path.read_text())
+        self.cells = {cell.id: cell for cell in self.reference.notebook.cells}
         self._by_role = {
             (mark["role"], mark["exercise"]): cell
             for cell in self.cells.values()
@@ -124,7 +124,7 @@ class Chapter:
 
     def run_prerequisites(self) -> None:
         """Run what the exercises stand on, and nothing else: it is all that a grader runs."""
-        for source in [*(cell.source for cell in prerequisites(self.master)), START]:
+        for source in [*(cell.source for cell in prerequisites(self.reference)), START]:
             self.kernel.run(source, CELL_TIMEOUT)
 
     def source(self, role: str, exercise: str) -> str:

@@ -12,7 +12,7 @@ from tests.exercises.chapter import Answers, answers_to
 from tests.grading.handed_in import CHAPTERS, as_bytes, notebook
 
 CHAPTER, ASKED = "services", ("services-1", "services-4")
-NAME = CHAPTERS[CHAPTER].path.name
+NAME = CHAPTERS[CHAPTER].file
 FORMATS = ("folders", "canvas", "moodle", "moodle_flat", "nbgrader", "zips")
 CHEATS = (
     "from course_kit.exercises.in_notebook import client\n"

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import nbformat
 
-from course_kit.exercises.notebooks.reference import ANSWER, NOTEBOOKS, PATTERN, Chapter, mark_of
+from course_kit.exercises.notebooks.reference import ANSWER, chapters, mark_of
 from tests.exercises.chapter import answers_to, preparation
 
-CHAPTERS = {chapter.name: chapter for chapter in map(Chapter, sorted(NOTEBOOKS.glob(PATTERN)))}
+CHAPTERS = {chapter.name: chapter for chapter in chapters()}
 # What the tests' answers to an exercise are made with, where they need something besides the chapter.
 PREPARED = {name: preparation(name) for name in CHAPTERS}
 
@@ -33,7 +33,7 @@ def as_bytes(made: nbformat.NotebookNode) -> bytes:
 def hand_in(folder: Path, chapter: str, answers: Mapping[str, str]) -> Path:
     """Put a notebook with these answers into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / CHAPTERS[chapter].path.name
+    path = folder / CHAPTERS[chapter].file
     path.write_bytes(as_bytes(notebook(chapter, answers)))
     return path
 

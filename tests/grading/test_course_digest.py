@@ -12,7 +12,6 @@ from course_kit.classroom.run import course_digest
 
 FILES = (
     "exercises/topics/topics_1_countdown.py",
-    "exercises/notebooks/masters/03_topics.ipynb",
     "exercises/checker/robot_interfaces/msg/Battery.msg",
     "robots/robot/worlds/office.yaml",
     "setup/environment/fastdds_profile.xml",

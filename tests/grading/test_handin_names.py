@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.classroom.collect.handin_names import master_of, number_of, printable, seconds_of, sender_of
+from course_kit.classroom.collect.handin_names import notebook_of, number_of, printable, seconds_of, sender_of
 from course_kit.classroom.collect.handins import HandIn, find
 from tests.grading.made_handins import MOODLE, NAMES, TOPICS, in_folder_and_zip, lay, topics
 
@@ -23,7 +23,7 @@ from tests.grading.made_handins import MOODLE, NAMES, TOPICS, in_folder_and_zip,
     ],
 )  # fmt: skip
 def test_copies_are_known_by_their_names(name: str):
-    assert master_of(name, NAMES) == TOPICS
+    assert notebook_of(name, NAMES) == TOPICS
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ def test_copies_are_known_by_their_names(name: str):
     ["topics.ipynb", "03_topics.py", "03_topics_solution.ipynb", "xx03_topics.ipynb", "03_topics.ipynb.txt", ".ipynb"],
 )
 def test_others_are_none_of_the_course(name: str):
-    assert master_of(name, NAMES) is None
+    assert notebook_of(name, NAMES) is None
 
 
 def test_the_number_is_the_one_that_canvas_added():
@@ -39,7 +39,7 @@ def test_the_number_is_the_one_that_canvas_added():
     assert [number_of(name) for name in names] == [0, 4, 2, 0]
 
 
-def test_no_master_is_taken_for_a_learning_system():
+def test_no_notebook_is_taken_for_a_learning_system():
     assert [sender_of(name) for name in NAMES] == [None] * 4
     assert sender_of("hw_2024_03_topics.ipynb") is None
 

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from course_kit.classroom.collect import handin_search, handin_zips
-from course_kit.classroom.collect.handin_names import master_of, number_of, printable, sender_of
+from course_kit.classroom.collect.handin_names import notebook_of, number_of, printable, sender_of
 from course_kit.classroom.collect.handins import HandIn, find
 from tests.grading.made_handins import MOODLE, NAMES, TOPICS, in_folder_and_zip, lay, topics, zipped
 
@@ -229,4 +229,4 @@ def test_anything_becomes_printable(text: str):
 def test_any_name_can_be_asked(text: str, end: str):
     sender_of(text + end)
     number_of(text + end)
-    assert master_of(text + end, NAMES) in (None, *NAMES)
+    assert notebook_of(text + end, NAMES) in (None, *NAMES)

@@ -14,11 +14,10 @@ import pytest
 from course_kit.classroom.rebuild import LONGEST_ANSWER, answers_of, rebuilt
 from course_kit.exercises.notebooks import reference
 from course_kit.exercises.notebooks.definitions import definitions
-from course_kit.exercises.notebooks.reference import CHECK, mark_of, prerequisites
+from course_kit.exercises.notebooks.reference import CHECK, Chapter, is_untouched, mark_of, prerequisites
 from tests.exercises.chapter import answers_to
 from tests.grading.handed_in import CHAPTERS, as_bytes, notebook, references
 
-MASTERS = {chapter.name: chapter for chapter in reference.chapters()}
 NAME = "04_services.ipynb"
 
 
@@ -38,7 +37,7 @@ def handed_in(cells: list[dict] | None = None, **changes: object) -> bytes:
 
 
 def taken(data: bytes) -> tuple[dict[str, str], str]:
-    answers = answers_of(data, NAME, MASTERS["services"])
+    answers = answers_of(data, NAME, CHAPTERS["services"])
     return dict(answers.sources), " ".join(answers.notes)
 
 
@@ -96,11 +95,11 @@ def test_half_a_character_does_no_harm():
 
 
 def test_cells_are_the_courses_but_for_the_sources_of_answers():
-    made = rebuilt(MASTERS["topics"], {"topics-2": "mine = 1"}, ["topics-2", "topics-3"])
+    made = rebuilt(CHAPTERS["topics"], {"topics-2": "mine = 1"}, ["topics-2", "topics-3"])
     nbformat.validate(made)
     own = {cell.id: cell.source for cell in CHAPTERS["topics"].notebook.cells}
     changed = [cell.id for cell in made.cells if own.get(cell.id) not in (cell.source, None)]
-    ids = {cell.id for cell in prerequisites(MASTERS["topics"])}
+    ids = {cell.id for cell in prerequisites(CHAPTERS["topics"])}
     assert set(changed) <= {"topics-ex2-answer", *ids}
     assert [cell.id for cell in made.cells if mark_of(cell).get("role") == CHECK] == [
         "topics-ex2-check",
@@ -148,7 +147,7 @@ def test_plain_nbval_sees_the_same_verdicts(tmp_path: Path):
     sources = {**references("services"), "services-4": wrong.source}
     asked = ["services-1", "services-3", "services-4"]
     path = tmp_path / NAME
-    nbformat.write(rebuilt(MASTERS["services"], sources, asked), path)
+    nbformat.write(rebuilt(CHAPTERS["services"], sources, asked), path)
     command = [sys.executable, "-m", "pytest", "--nbval", "-p", "no:cacheprovider", "-v", path.name]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=180)
     cells = [cell for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code"]
@@ -156,3 +155,53 @@ def test_plain_nbval_sees_the_same_verdicts(tmp_path: Path):
     passed = {name: f"::Cell {number} PASSED" in done.stdout for name, number in checks.items()}
     assert passed == {"services-1": True, "services-3": True, "services-4": False}, done.stdout[-3000:]
     assert f"1 failed, {len(cells) - 1} passed" in done.stdout
+
+
+@pytest.mark.parametrize("source", ["", "\n# class Echo(Node):\n#     ...\n", "a = None  # a number\nb = None\n"])
+def test_a_cell_without_an_answer_is_untouched(source: str):
+    assert is_untouched(source)
+
+
+@pytest.mark.parametrize("source", ["a = 1", "a = None; b = 2", "%%bash\nls", "a = '''\n# b\n'''", "None", "a\n= None"])
+def test_a_cell_with_an_answer_is_not(source: str):
+    assert not is_untouched(source)
+
+
+def test_no_answer_is_taken_from_the_reference_itself():
+    """Whoever grades may have typed some into the notebooks of the course."""
+    answers = {"setup-1": "domain = 7", "setup-2": "class Greeter(Node): ...", "setup-4": "new_topics = {'/a'}"}
+    chapter = Chapter("01_setup_checks.ipynb", as_bytes(notebook("setup", answers)).decode())
+    assert [chapter.untouched(name) for name in answers] == [
+        "domain = None\ndiscovery_range = None",
+        "",
+        "new_topics = None",
+    ]
+    made = rebuilt(chapter, {}, list(answers))
+    assert not any(answer in cell.source for cell in made.cells for answer in answers.values())
+
+
+def test_a_clone_has_its_chapters_from_git_whatever_is_typed_into_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(reference, "ROOT", tmp_path)
+    notebooks = tmp_path / "notebooks"
+    notebooks.mkdir()
+    committed = as_bytes(notebook("services", {}))
+    (notebooks / NAME).write_bytes(committed)
+    assert [one.file for one in reference.chapters.__wrapped__()] == [NAME]  # no clone: as it is
+    git = ("git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b")
+    for words in (("init", "-q"), ("add", "."), ("commit", "-qm", "The course")):
+        subprocess.run([*git, *words], check=True)
+    (notebooks / NAME).write_bytes(as_bytes(notebook("services", {"services-1": "mine = 1"})))
+    (clone,) = reference.chapters.__wrapped__()
+    assert clone.text.encode() == committed
+    monkeypatch.setenv("PATH", str(tmp_path))  # without git
+    (without,) = reference.chapters.__wrapped__()
+    assert "mine = 1" in without.text
+
+
+def test_an_edition_has_copies_of_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (full,) = (chapter for chapter in reference.chapters() if chapter.file == NAME)
+    (tmp_path / NAME).write_text(reference.stripped(full.notebook))
+    monkeypatch.setattr(reference, "EDITION", tmp_path)
+    (copied,) = reference.chapters.__wrapped__()
+    assert (copied.order, copied.tasks) == (full.order, full.tasks)
+    assert [c.source for c in prerequisites(copied)] == [c.source for c in prerequisites(full)]

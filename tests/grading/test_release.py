@@ -166,7 +166,8 @@ def test_students_get_all_but_what_is_the_instructors_and_the_maintainers(course
     tracked = git(course, "ls-files", "-z").split("\0")[:-1]
     left = {path for path in tracked if path not in contents}
     assert {path.split("/")[0] for path in left} == {".ci", "CONTRIBUTING.md", "docs", "tests"}
-    assert set(contents) - set(tracked) == {"manifest.json"}
+    copies = {f"course_kit/exercises/notebooks/edition/{chapter.file}" for chapter in reference.chapters()}
+    assert set(contents) - set(tracked) == {"manifest.json", *copies}
     assert ".gitignore" in contents
     changed = {path for path in set(contents) & set(tracked) if contents[path] != (course / path).read_bytes()}
     assert changed == {"README.md"}
@@ -285,11 +286,12 @@ def test_the_manifest_knows_every_file(contents, manifest):
 
 def test_the_manifest_knows_every_exercise(course, manifest):
     expected = {}
-    for chapter in map(reference.Chapter, sorted((course / "notebooks").glob(reference.PATTERN))):
+    for path in sorted((course / "notebooks").glob(reference.PATTERN)):
+        chapter = reference.Chapter(path.name, path.read_text())
         for task in chapter.tasks:
             cells = {role: chapter.cell(role, task.name) for role in ("exercise", "answer", "check")}
             expected[task.name] = {
-                "notebook": f"notebooks/{chapter.path.name}",
+                "notebook": f"notebooks/{chapter.file}",
                 "points": task.points,
                 "cells": {role: cell.id for role, cell in cells.items()},
                 "check_sha256": sha256(cells["check"].source.encode()).hexdigest(),
@@ -381,7 +383,7 @@ def test_a_solution_in_an_answer_cell_is_not_released(own, tmp_path, copied):
     cell.source = "class ScanCounter(Node):\n    pass"
     nbformat.write(notebook, own / TOPICS)
     assert refused(own, tmp_path / "course.zip") == (
-        f"the answer cell of topics-2 in {TOPICS} is not as committed: it may hold a solution"
+        f"the answer cell of topics-2 in {TOPICS} is not untouched: it may hold a solution"
     )
 
 

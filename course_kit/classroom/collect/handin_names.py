@@ -90,12 +90,12 @@ def number_of(name: str) -> int:
     return 0 if not found else LAST if found["uuid"] else int(found["number"])
 
 
-def master_of(name: str, names: Sequence[str]) -> str | None:
+def notebook_of(name: str, names: Sequence[str]) -> str | None:
     """Which of the course's notebooks has this name, or a copy of it; None for another file."""
     if suffix_of(name) != NOTEBOOK or len(name) > MAX_NAME:
         return None
-    masters = {stem_of(each).lower(): each for each in names}
-    return masters.get(_original(stem_of(own_name(name)), masters)) or masters.get(_original(stem_of(name), masters))
+    by_stem = {stem_of(each).lower(): each for each in names}
+    return by_stem.get(_original(stem_of(own_name(name)), by_stem)) or by_stem.get(_original(stem_of(name), by_stem))
 
 
 def is_workspace(name: str) -> bool:

@@ -16,7 +16,7 @@ from course_kit.classroom.collect.handin_names import (
     ZIP,
     is_noise,
     is_workspace,
-    master_of,
+    notebook_of,
     number_of,
     printable,
     seconds_of,
@@ -156,9 +156,9 @@ class Search:
             else:
                 self._look_into(entry, way)
         elif suffix == NOTEBOOK:
-            if master := master_of(entry.name, self._names):
-                self._found[master].append(_Found(entry, way))
-            elif not master_of(entry.name, (START,)):  # which has nothing to be graded
+            if notebook := notebook_of(entry.name, self._names):
+                self._found[notebook].append(_Found(entry, way))
+            elif not notebook_of(entry.name, (START,)):  # which has nothing to be graded
                 self.notes.say_of(way.shown, "none of the course's notebooks")
         elif suffix == ZIP:
             self._unpack(entry, way)

@@ -20,7 +20,7 @@ from course_kit.classroom.collect.handin_names import (
     Sender,
     is_noise,
     is_workspace,
-    master_of,
+    notebook_of,
     printable,
     sender_of,
     stem_of,
@@ -150,10 +150,10 @@ def _is_own(entries: Sequence[Entry], names: Sequence[str]) -> bool:
     for entry in entries:
         if isinstance(entry, Folder) and entry.name == "notebooks":
             with contextlib.suppress(Unread):
-                if any(isinstance(e, File) and master_of(e.name, names) for e in entry.entries()):
+                if any(isinstance(e, File) and notebook_of(e.name, names) for e in entry.entries()):
                     return True
     others = [e for e in entries if isinstance(e, Folder) or suffix_of(e.name) == ZIP]
-    return any(isinstance(e, File) and master_of(e.name, names) for e in entries) and not any(
+    return any(isinstance(e, File) and notebook_of(e.name, names) for e in entries) and not any(
         _holds(other, names) for other in others if not is_workspace(other.name)
     )
 

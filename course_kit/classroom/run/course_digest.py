@@ -26,8 +26,8 @@ def course_digest() -> str:
 def digest(kit: Path, environ: Mapping[str, str]) -> str:
     """Return the digest of the course's files in `kit`, and of the versions of Python, packages and ROS 2.
 
-    The files are modules, worlds, interfaces, the DDS profile and the lock. Worked solutions, which an edition of the
-    course may lack, decide nothing. `environ` names the ROS 2 that is sourced, if one is.
+    The files are modules, worlds, interfaces, the DDS profile and the lock. Worked solutions and copies of notebooks,
+    which only some editions have, are left out. `environ` names the ROS 2 that is sourced, if one is.
     """
     found = hashlib.sha256()
     for path in _files(kit):
@@ -39,7 +39,7 @@ def digest(kit: Path, environ: Mapping[str, str]) -> str:
 
 def _files(kit: Path) -> Iterator[Path]:
     for path in sorted(kit.rglob("*")):
-        if path.is_file() and path.suffix != ".md" and "__pycache__" not in path.parts:
+        if path.is_file() and path.suffix not in (".md", ".ipynb") and "__pycache__" not in path.parts:
             yield path
 
 

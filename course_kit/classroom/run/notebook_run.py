@@ -176,7 +176,7 @@ class _Run:
         self._process.begin()
 
     def _pytest(self, places: Places, chapter: Chapter) -> list[str]:
-        notebook = str(places.job / chapter.path.name)
+        notebook = str(places.job / chapter.file)
         return [
             *("-p", "nbval.plugin", "-p", "course_kit.classroom.run.nbval_plugin", "-p", "no:cacheprovider", "-q"),
             *("--nbval", notebook, "--rootdir", str(places.job), "-c", "/dev/null", "--tb=line", "--color=no"),
@@ -194,7 +194,7 @@ class _Run:
         workspace: Mapping[str, bytes],
     ) -> None:
         """Put into the job's folder what the processes need."""
-        nbformat.write(rebuilt(chapter, sources, only, bool(workspace)), self._job / chapter.path.name)
+        nbformat.write(rebuilt(chapter, sources, only, bool(workspace)), self._job / chapter.file)
         home, limits = {"HOME": str(places.work / "home"), "TMPDIR": str(places.work / "tmp")}, self._settings.limits
         ours = {name: value for name, value in environment.items() if name not in ("HOME", "TMPDIR")}
         ours |= {**home, "USER": "student", client.GRADER: str(places.socket)}

@@ -23,11 +23,11 @@ class Work:
     only: tuple[str, ...]  # the exercises that are asked for
     workspace: Mapping[str, bytes] = field(default_factory=dict)  # files below ros2_ws/src
 
-    def digest(self, master: Chapter, course: str) -> str:
+    def digest(self, chapter: Chapter, course: str) -> str:
         """What tells whether it was graded already: the same answers, by the same course, get the same."""
         marked = [
             (mark["role"], mark.get("exercise"), cell.source)
-            for cell in master.notebook.cells
+            for cell in chapter.notebook.cells
             if (mark := mark_of(cell)).get("role") in (EXERCISE, ANSWER, CHECK, PREREQUISITE)
         ]
         files = {path: hashlib.sha256(data).hexdigest() for path, data in self.workspace.items()}
@@ -52,7 +52,7 @@ def read(handin: HandIn, chapters: Sequence[Chapter], only: Sequence[str]) -> Su
         if not asked:
             continue
         sources: Mapping[str, str] = {}
-        name = chapter.path.name
+        name = chapter.file
         if (data := handin.notebooks.get(name)) is not None:
             answers = answers_of(data, name, chapter)
             sources = answers.sources

@@ -28,7 +28,7 @@ def catch_up(cell: str) -> None:
     above = list(_above(cell))
     shell = kernel.shell()
     if shell is None:
-        raise RuntimeError("catch_up belongs into a notebook: in a program, import what you need")
+        raise RuntimeError("catch_up works only in a notebook: in a program, import what you need")
     there = frozenset(shell.user_ns)
     missing = {each.id: _missing(each.source, there) for each in above}
     if not any(missing.values()):
@@ -46,11 +46,11 @@ def catch_up(cell: str) -> None:
 
 def _above(cell: str) -> Iterator[nbformat.NotebookNode]:
     """The cells above it that others build on."""
-    chapter: Chapter | None = next((chapter for chapter in chapters() if cell in chapter.ids), None)
+    named = (chapter for chapter in chapters() if f'"{cell}"' in chapter.text)  # to parse no other
+    chapter: Chapter | None = next((chapter for chapter in named if cell in chapter.ids), None)
     if chapter is None:
         raise ValueError(f"no chapter has a cell {cell!r}: call catch_up as the chapter does, at a place to stop")
-    order: list[str] = chapter.notebook.metadata.cells
-    above = set(order[: order.index(cell)])
+    above = set(chapter.order[: chapter.order.index(cell)])
     yield from (each for each in prerequisites(chapter) if each.id in above)
 
 
