@@ -82,5 +82,5 @@ def test_a_cell_that_fails_is_named(kernel: Kernel) -> None:
 
 
 def test_a_program_is_told_to_import() -> None:
-    with pytest.raises(RuntimeError, match="belongs into a notebook"):
+    with pytest.raises(RuntimeError, match="works only in a notebook"):
         catch_up("topics-square-drive")

@@ -52,6 +52,27 @@ def test_no_arrays_are_loaded_where_there_are_none(words):
     assert loaded & HEAVY == set()
 
 
+@pytest.mark.parametrize(
+    ("words", "verbs"),
+    [
+        ("topic list -h", set()),
+        ("topic echo -h", {"topic.echo"}),
+        ("topic hz -h", {"topic.rates"}),
+        ("service type -h", set()),
+        ("service call -h", {"service.call"}),
+        ("action send_goal -h", {"action.send_goal"}),
+        ("bag info -h", set()),
+        ("bag play -h", {"bag.play"}),
+        ("doctor hello -h", {"doctor.hello"}),
+    ],
+)
+def test_a_verb_loads_no_other_verb(words, verbs):
+    of_verbs = {"action.send_goal", "bag.play", "bag.record", "doctor.hello", "service.call", "service.echo"}
+    of_verbs |= {"service.info", "topic.echo", "topic.pub", "topic.rates"}
+    loaded = loaded_by(*words.split())
+    assert {name for name in of_verbs if f"course_kit.cli.ros2.{name}" in loaded} == verbs
+
+
 def test_a_parser_alone_loads_no_ros():
     loaded = loaded_by("topic", "pub", "--help")
     assert "argparse" in loaded

@@ -25,7 +25,7 @@ CLONE = Path(__file__).parents[2]
 TOP, MANIFEST, FORMAT = "ros2-notebook-course", "manifest.json", 1
 # Answers to every exercise, and what only those need who change the course. Students keep `course grade .`.
 DOCS = tuple(f"docs/{page}.md" for page in ("exercises", "instructors", "middleware", "tests", "views"))
-LEFT_OUT = (".ci/", "CHANGELOG.md", "CONTRIBUTING.md", *DOCS, "tests/")
+LEFT_OUT = (".ci/", "CONTRIBUTING.md", *DOCS, "tests/")
 SOLUTIONS = tuple(
     f"course_kit/exercises/{chapter}/solutions/" for chapter in CHAPTERS
 )  # what `solution()` shows; an edition may be made without

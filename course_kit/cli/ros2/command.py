@@ -71,16 +71,28 @@ def _fill(parser: ArgumentParser, command: str, *named: str) -> None:
     parser.set_defaults(named=parser)
     if hasattr(module, "add_arguments"):
         module.add_arguments(parser)
-    verbs: Mapping[str, Verb] = getattr(module, "VERBS", {})
-    verb: Verb | None = getattr(module, "COMMAND", None)  # what the command itself does, without a verb
-    parsers = _subparsers(parser, {name: one.summary for name, one in verbs.items()}, named) if verbs else {}
-    if named and named[0] in verbs:
-        parser, verb = parsers[named[0]], verbs[named[0]]
+    verbs: Mapping[str, Verb | str] = getattr(module, "VERBS", {})
+    verb: Verb | None = getattr(module, "COMMAND", None)  # of the command itself, without a verb
+    wanted = {named[0]} & verbs.keys() if named else set()
+    loaded = {name: _loaded(one) for name, one in verbs.items() if not wanted or name in wanted}
+    summaries = {name: loaded[name].summary if name in loaded else "" for name in verbs}
+    parsers = _subparsers(parser, summaries, named) if verbs else {}
+    for name in wanted:
+        parser, verb = parsers[name], loaded[name]
     if verb is not None:
         verb.arguments(parser)
         parser.epilog = example(parser.prog.removeprefix("ros2 "))
         background(parser)
         parser.set_defaults(verb=verb)
+
+
+def _loaded(verb: Verb | str) -> Verb:
+    """Return a verb, which may be one of another module: "topic.echo:ECHO"."""
+    if isinstance(verb, Verb):
+        return verb
+    module, _, name = verb.partition(":")
+    found: Verb = getattr(importlib.import_module(f"course_kit.cli.ros2.{module}"), name)
+    return found
 
 
 def _subparsers(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from course_kit.cli.ros2.action.send_goal import SEND_GOAL
 from course_kit.cli.ros2.named import ACTIONS, names
 from course_kit.cli.ros2.session import Session
 from course_kit.cli.ros2.verbs import GRAPH, Verb, failing, flag
@@ -31,7 +30,7 @@ def _info(args: Namespace, session: Session) -> None:
 
 
 _SHARED = ACTIONS.verbs()
-VERBS = {
+VERBS: dict[str, Verb | str] = {
     "info": Verb(
         "show who uses an action and who offers it",
         _info,
@@ -41,6 +40,6 @@ VERBS = {
         flag("-c --count", "only say how many there are"),
     ),
     "list": _SHARED["list"],
-    "send_goal": SEND_GOAL,
+    "send_goal": "action.send_goal:SEND_GOAL",
     "type": _SHARED["type"],
 }

@@ -9,8 +9,6 @@ from collections import Counter
 
 from course_kit.cli.ros2.bag import text
 from course_kit.cli.ros2.bag.options import BAG, failing_with, say_what_is_left
-from course_kit.cli.ros2.bag.play import PLAY
-from course_kit.cli.ros2.bag.record import RECORD
 from course_kit.cli.ros2.session import Session, log_text
 from course_kit.cli.ros2.verbs import Verb, argument, flag, one_of
 
@@ -58,7 +56,7 @@ def _reindex(args: Namespace, session: Session) -> None:
     say("Reindexing complete.")
 
 
-VERBS = {
+VERBS: dict[str, Verb | str] = {
     "info": Verb(
         "show what a bag holds",
         _info,
@@ -69,7 +67,7 @@ VERBS = {
         ),
         argument("--sort", "the order of the topics (default: name)", default="name", choices=text.SORTING),
     ),
-    "play": PLAY,
-    "record": RECORD,
+    "play": "bag.play:PLAY",
+    "record": "bag.record:RECORD",
     "reindex": Verb("complete a bag whose recorder was killed, or that has lost its metadata.yaml", _reindex, BAG),
 }

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 from course_kit.cli.ros2.doctor import checks, report
 from course_kit.cli.ros2.doctor.checks import Pair, System, Topic
-from course_kit.cli.ros2.doctor.hello import HELLO
 from course_kit.cli.ros2.session import Session
 from course_kit.cli.ros2.verbs import Verb, flag, one_of
 from course_kit.ros import packages
@@ -117,4 +116,4 @@ COMMAND = Verb(
     flag("--exclude-packages -ep", "leave the packages out"),
     flag("--include-warnings -iw", "let warnings fail a check too"),
 )
-VERBS = {"hello": HELLO}
+VERBS = {"hello": "doctor.hello:HELLO"}

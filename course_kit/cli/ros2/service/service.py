@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from course_kit.cli.ros2.named import SERVICES
-from course_kit.cli.ros2.service.call import CALL
-from course_kit.cli.ros2.service.echo import ECHO
-from course_kit.cli.ros2.service.info import INFO
+from course_kit.cli.ros2.verbs import Verb
 
 add_arguments = SERVICES.hidden
-VERBS = {**SERVICES.verbs(), "call": CALL, "echo": ECHO, "info": INFO}
+VERBS: dict[str, Verb | str] = {
+    **SERVICES.verbs(),
+    "call": "service.call:CALL",
+    "echo": "service.echo:ECHO",
+    "info": "service.info:INFO",
+}

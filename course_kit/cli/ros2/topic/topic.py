@@ -7,9 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 from course_kit.cli.ros2.named import TOPICS
 from course_kit.cli.ros2.session import Session
-from course_kit.cli.ros2.topic.echo import ECHO
-from course_kit.cli.ros2.topic.pub import PUB
-from course_kit.cli.ros2.topic.rates import BW, DELAY, HZ
 from course_kit.cli.ros2.verbs import GRAPH, Verb, flag
 
 add_arguments = TOPICS.hidden
@@ -47,12 +44,12 @@ def _info(args: Namespace, session: Session) -> None:
             session.print(str(endpoint), end=end)
 
 
-VERBS = {
+VERBS: dict[str, Verb | str] = {
     **_SHARED,
-    "bw": BW,
-    "delay": DELAY,
-    "echo": ECHO,
-    "hz": HZ,
+    "bw": "topic.rates:BW",
+    "delay": "topic.rates:DELAY",
+    "echo": "topic.echo:ECHO",
+    "hz": "topic.rates:HZ",
     "info": Verb(
         "show the type of a topic, and who is connected to it",
         _info,
@@ -63,5 +60,5 @@ VERBS = {
     "list": Verb(
         _SHARED["list"].summary, _list, _SHARED["list"].arguments, flag("-v --verbose", "with how many are connected")
     ),
-    "pub": PUB,
+    "pub": "topic.pub:PUB",
 }
