@@ -262,7 +262,9 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     view.last("hits")
     content = {"comm_id": tab, "target_name": "course_kit.views", "data": {"looks": False}}
     channel.send(session.msg("comm_open", content))
-    kernel.until(lambda: kernel.value("__import__('course_kit.views.live.tabs').live.tabs.somebody_looks()") == "False")
+    kernel.until(
+        lambda: kernel.value("__import__('course_kit.views.live.tabs').views.live.tabs.somebody_looks()") == "False"
+    )
     kernel.until(lambda: kernel.value("time.monotonic() - view._shown_at > 1.0") == "True")  # so all is sent anew
     before, began_at = len(view.said("layers")), numbers(kernel, "place()")[0]
     kernel.run("driver.linear = 0.1")

@@ -131,7 +131,9 @@ def test_nothing_is_sent_while_nobody_looks_and_all_of_it_afterwards(kernel: Ker
     panel = Panel(kernel)
     kernel.until(lambda: panel.said("field"))
     channel.send(session.msg("comm_open", content))
-    kernel.until(lambda: kernel.value("__import__('course_kit.views.live.tabs').live.tabs.somebody_looks()") == "False")
+    kernel.until(
+        lambda: kernel.value("__import__('course_kit.views.live.tabs').views.live.tabs.somebody_looks()") == "False"
+    )
     kernel.until(lambda: kernel.value("time.monotonic() - panel._shown_at > 1.0") == "True")  # so all is sent anew
     before = len(panel.said("moves")), len(panel.said("field"))
     panel.tell(kind="key", key="up")
