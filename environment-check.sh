@@ -308,7 +308,7 @@ find_uv() {
 
 install_packages() {
     local ros
-    ros=$(bare "$venv/bin/python" ros)
+    ros=$(bare "$venv/bin/python" checks.ros)
     [[ -z $ros ]] || say "Using the ROS 2 in $ros."
     begin_step "Installing the packages"
     install_pins || fail "The packages could not be installed."
@@ -340,7 +340,7 @@ start_lab() {
     fi
     given 'debug|log-level|.*\.log_level' "$@" || options+=(--ServerApp.log_level=WARN --LabApp.log_level=WARN)
     ((EUID)) || options+=(--allow-root)
-    bare "$venv/bin/python" notebook || options+=(--no-browser)
+    bare "$venv/bin/python" checks.notebook || options+=(--no-browser)
     ("$venv/bin/python" -m course_kit.setup.environment.address $$ &) # exec keeps the process id
     exec "$venv/bin/python" "$venv/bin/jupyter-lab" "${options[@]}" "$@"
 }

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
-from course_kit.base.ending import shared_memory
 from course_kit.base.polling import wait_until
+from course_kit.base.shutdown import shared_memory
 from tests import domains
 
 MARK = "COURSE_KIT_TEST_RUN"

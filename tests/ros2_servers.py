@@ -19,7 +19,7 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import ByteMultiArray, String
 from std_srvs.srv import Trigger
 
-from course_kit.base.ending.watchdog import END_TIMEOUT
+from course_kit.base.shutdown.watchdog import END_TIMEOUT
 
 
 class Servers(Node):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from course_kit.base.ending.shared_memory import FOLDER
+from course_kit.base.shutdown.shared_memory import FOLDER
 
 LONGEST = 500  # characters of the names of nodes
 
@@ -34,7 +34,7 @@ def port_of(line: str) -> str:
 
 def known_nodes() -> list[str]:
     """A line with the nodes that the node of the instruments knows, if it is there."""
-    instruments = sys.modules.get("course_kit.ros.watching.instruments")
+    instruments = sys.modules.get("course_kit.ros.subscriptions.observer_node")
     node = instruments.present() if instruments else None
     if node is None:
         return []

@@ -16,7 +16,7 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook, new_output
 
-from course_kit.setup.environment.notebook import START
+from course_kit.setup.environment.checks.notebook import START
 from tests.chapters import FOLDER, PATHS
 from tests.lab import CHROMIUM, Lab, browser, server
 

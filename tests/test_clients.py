@@ -21,8 +21,8 @@ from course_kit.cli.ros2.session import Session
 from course_kit.cli.ros2.verbs import CommandError
 from course_kit.lab.background.running import running
 from course_kit.ros.spinning.nodes import quiet_node
-from course_kit.ros.watching import instruments
-from course_kit.ros.watching.clients import PERIOD, call, meet_server, meet_service
+from course_kit.ros.subscriptions import observer_node
+from course_kit.ros.subscriptions.clients import PERIOD, call, meet_server, meet_service
 from tests.waiting import wait_until as wait_for
 
 
@@ -117,7 +117,7 @@ class Known(Node):
 
 def test_a_call_meets_the_service_and_asks_it_once():
     with running(Known) as server:
-        wait_for(lambda: instruments.node().count_services("/trigger"))
+        wait_for(lambda: observer_node.node().count_services("/trigger"))
         assert call(Trigger, "/trigger", Trigger.Request(), 5.0, 10.0) is not None
         *meetings, last = server.asked
         assert last == "trigger"

@@ -11,7 +11,7 @@ import pytest
 import rclpy
 from rclpy.node import Node
 
-from course_kit.ros.observing.station import Station
+from course_kit.ros.observing.domain_observer import DomainObserver
 from course_kit.ros.spinning import context
 from tests.benchmark.child import Program
 from tests.waiting import wait_until
@@ -57,7 +57,7 @@ def test_the_environment_stays_as_it_is_while_a_context_is_made(domain, monkeypa
             seen.append(os.environ.get(RANGE))
             return super().__lt__(other)
 
-    Station(Domain(domain), only_here=True).close()
+    DomainObserver(Domain(domain), only_here=True).close()
     assert seen == ["SUBNET"]
 
 

@@ -18,8 +18,8 @@ from pathlib import Path
 import pytest
 
 from course_kit.base import polling
-from course_kit.base.ending import watchdog
-from course_kit.base.ending.shared_memory import FOLDER
+from course_kit.base.shutdown import watchdog
+from course_kit.base.shutdown.shared_memory import FOLDER
 from tests.benchmark.dead_segments import outcome
 from tests.programs.dead_segments import CASES, DEAD, in_own_shared_memory
 from tests.waiting import wait_until
@@ -36,7 +36,7 @@ os.kill(os.getpid(), signal.SIGSTOP)
 # Opens what it can, but for the two folders that it looks into, and heals when it is told to.
 LACKS_DESCRIPTORS = """
 import os, resource
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 watchdog.heal()
 resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
 opened = []
@@ -51,7 +51,7 @@ while True:
     print(watchdog.heal(), flush=True)
 """
 HEALS_ON_AND_ON = """
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 print("begun", flush=True)
 while True:
     watchdog.heal()
@@ -59,7 +59,7 @@ while True:
 HIDDEN_MAKER = """
 import os, time
 from pathlib import Path
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 path = Path("/dev/shm/fastrtps_port70000")
 def stays(age):
     path.write_bytes(bytes(4096))

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from course_kit.setup.environment import address as module
-from course_kit.setup.environment.notebook import START
+from course_kit.setup.environment.checks.notebook import START
 
 
 def address(process: int, folder: Path, timeout: float = 60.0) -> str | None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.setup.environment import machine
+from course_kit.setup.environment.checks import machine
 
 
 def test_linux_passes_with_the_name_of_the_distribution():

@@ -6,7 +6,7 @@ import socket
 
 import pytest
 
-from course_kit.setup.environment import network
+from course_kit.setup.environment.checks import network
 
 
 def test_a_packet_gets_through_the_loopback_interface():

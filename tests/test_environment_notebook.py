@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from course_kit.setup.environment import notebook
+from course_kit.setup.environment.checks import notebook
 from course_kit.setup.environment.interpreter import Interpreter
 
 VERSIONS = {"jupyterlab": "4.6.6", "ipykernel": "7.3.0", "ipywidgets": "8.1.9", "anywidget": "0.11.0"}

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.setup.environment import interpreter, python, stamp
+from course_kit.setup.environment import interpreter, stamp
 from course_kit.setup.environment.activation import RosInstallation
+from course_kit.setup.environment.checks import python
 from course_kit.setup.environment.interpreter import Interpreter
 from tests.course_copy import BASE_PYTHON, ROOT, CourseCopy
 

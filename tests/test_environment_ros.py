@@ -8,10 +8,11 @@ import time
 
 import pytest
 
-from course_kit.setup.environment import check_environment, ros, user_domain
+from course_kit.setup.environment import check_environment, user_domain
 from course_kit.setup.environment.activation import RosInstallation
+from course_kit.setup.environment.checks import ros
+from course_kit.setup.environment.checks.ros import RoundTrip
 from course_kit.setup.environment.interpreter import Interpreter
-from course_kit.setup.environment.ros import RoundTrip
 
 APT = RosInstallation("/opt/ros/jazzy", "jazzy")
 HUMBLE = RosInstallation("/opt/ros/humble", "humble")

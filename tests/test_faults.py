@@ -16,7 +16,7 @@ from course_kit.exercises import faults
 from course_kit.exercises.debugging import robot_reactions
 from course_kit.exercises.faults import all_faults, health, lab, robots_manual
 from course_kit.exercises.faults.fault import HEALTHY, PROGRAMS, Fault
-from course_kit.exercises.faults.surroundings import TERMINALS, executable
+from course_kit.exercises.faults.terminals import TERMINALS, executable
 
 pytestmark = pytest.mark.usefixtures("fresh_domain")
 

@@ -27,7 +27,7 @@ from course_kit.exercises.checker.examination import Ended, Examination, begin, 
 from course_kit.exercises.debugging.robot_well import expect_well
 from course_kit.exercises.faults import all_faults, health, lab
 from course_kit.exercises.faults.fault import PROGRAMS
-from course_kit.ros.observing.station import Station
+from course_kit.ros.observing.domain_observer import DomainObserver
 from course_kit.ros.spinning import context
 from tests.kernel import Kernel
 from tests.ros2_command import ros2
@@ -46,11 +46,11 @@ OF_EACH_KIND = {"name", "qos", "domain", "deadlock", "crash", "duplicate", "dead
 
 
 @pytest.fixture(scope="module")
-def station() -> Iterator[Station]:
+def observer() -> Iterator[DomainObserver]:
     context.start()
-    station = Station(None, only_here=False)
-    yield station
-    station.close()
+    observer = DomainObserver(None, only_here=False)
+    yield observer
+    observer.close()
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -273,10 +273,10 @@ def test_a_student_asks_whether_it_is_repaired_before_and_after():
     assert "What was the cause?" in str(after)
 
 
-def test_a_check_can_ask_the_same_in_its_vocabulary(station: Station):
+def test_a_check_can_ask_the_same(observer: DomainObserver):
     exercise = replace(find("topics-1"), node_class=None, node="/planner", timeout=60.0)
     faults.start()
-    begin(Examination(exercise, station, station, {}, lambda order, timeout: {}))
+    begin(Examination(exercise, observer, observer, {}, lambda order, timeout: {}))
     try:
         assert expect_well(points=1, timeout=HEALTHY_TIMEOUT)
         faults.process("map_server").stop()
@@ -286,7 +286,7 @@ def test_a_check_can_ask_the_same_in_its_vocabulary(station: Station):
         assert "nearly every scan gets into the map" in current().findings[-1].hint
     finally:
         begin(None)
-        station.tidy()
+        observer.tidy()
 
 
 def every_fault() -> Iterator[Any]:
@@ -297,15 +297,15 @@ def every_fault() -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("name", list(every_fault()))
-def test_fault(name: str, station: Station):
+def test_fault(name: str, observer: DomainObserver):
     fault = all_faults.find(name)
     assert fault.symptom in str(faults.start(name))
     assert faults.process("planner").says(fault.says)
-    listening = health.Watch(station)
+    listening = health.Watch(observer)
     SEE[name]()
     wait_until(lambda: listening.seconds >= health.WINDOW)
     assert not all(one.ok for one in health.findings(listening.observe()))
-    station.tidy()
+    observer.tidy()
     for one in all_faults.options(fault):
         assert bool(faults.answer(one.id)) == (one.id == name)
     type_cell(fault.repair)

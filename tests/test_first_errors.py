@@ -20,9 +20,9 @@ pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
 # What a check would be told of the class X: as its own process orders it, with the notebook's side in this kernel.
 CHECKING = """
 from course_kit.exercises.in_notebook import answer_host
-from course_kit.exercises.domains import reserve_stage
+from course_kit.exercises.domains import reserve_domain
 from course_kit.base.polling import wait_until
-stage = reserve_stage()
+stage = reserve_domain()
 
 def told_in_check():
     order = {"domain": stage, "node_class": "X", "keeper": "_ros2cli_1", "threads": False}

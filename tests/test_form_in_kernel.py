@@ -14,7 +14,7 @@ import ctypes, gc, threading, psutil
 from ipywidgets.widgets.widget import _instances
 from course_kit import run, show_form, wait_for
 from course_kit import TurtleSim
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 turtlesim = run(TurtleSim)
 
 def press(form, button, **entries):
@@ -27,7 +27,7 @@ def press(form, button, **entries):
 def left():
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)  # what was freed goes back to the system, which counts it otherwise
-    node = instruments.node()
+    node = observer_node.node()
     return len(_instances), threading.active_count(), len(list(node.publishers)), len(list(node.timers))
 """
 

@@ -26,7 +26,7 @@ from std_srvs.srv import Trigger
 from course_kit.cli.ros2.messages.yaml_text import to_dict
 from course_kit.ros.spinning import context
 from course_kit.ros.spinning.executors import SpinThread
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from course_kit.views.forms import calling
 from course_kit.views.forms.calling import GoalSender
 from course_kit.views.forms.command_line import command_line
@@ -255,7 +255,7 @@ def test_a_name_is_looked_up(other):
 
 def test_opened_and_closed_200_times_nothing_is_left(other):
     def left() -> tuple[int, int, int]:
-        node = instruments.node()
+        node = observer_node.node()
         # The other node's executor makes its threads when it needs them.
         threads = [one for one in threading.enumerate() if not one.name.startswith("ThreadPoolExecutor")]
         return len(list(node.publishers)), len(list(node.timers)), len(threads)

@@ -22,7 +22,7 @@ from course_kit.ros.graph.matching import explanations
 from course_kit.ros.graph.plots import look, observer, plot_graph
 from course_kit.ros.graph.snapshot import Channel, Endpoint, Qos, Snapshot
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from course_kit.views.live.graph import GraphView, show_graph
 from tests.kernel import Kernel
 from tests.waiting import wait_until
@@ -79,7 +79,7 @@ def here() -> Iterator[Node]:
 
 
 def seen(**wanted: Any) -> Snapshot:
-    return look(instruments.node(), **wanted)
+    return look(observer_node.node(), **wanted)
 
 
 def topic(shown: Snapshot, name: str) -> Channel:
@@ -144,7 +144,7 @@ def test_actions_are_there_services_and_hidden_things_on_request(here: Node) -> 
         hidden = seen(services=True, hidden=True)
         assert {"/there/get_parameters", "/turn/_action/send_goal"} <= {c.name for c in hidden.services}
         assert {"/rosout", "/parameter_events", "/turn/_action/status"} <= {c.name for c in hidden.topics}
-        assert instruments.node().get_fully_qualified_name() in {n.name for n in hidden.nodes}
+        assert observer_node.node().get_fully_qualified_name() in {n.name for n in hidden.nodes}
         assert {"1 action", "/turn", "/reset", "no client"} <= set(
             ", ".join(words(services=True)).replace("2 nodes, ", "").split(", ")
         )
@@ -221,7 +221,7 @@ def test_a_live_view_follows_nodes_that_come_change_and_end_and_draws_only_then(
         wait_until(lambda: len(topic(view.seen or Snapshot(), "/chatter").ends) == 1)
         drawn, looked = view.drawn, threading.Event()
         before = view.seen
-        timer = instruments.node().create_timer(1.5, looked.set)  # several looks at a graph that stays as it is
+        timer = observer_node.node().create_timer(1.5, looked.set)  # several looks at a graph that stays as it is
         assert looked.wait(10) and view.drawn == drawn and view.seen is before
         timer.cancel()
     shows(view, "/here")

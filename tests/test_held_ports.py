@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.base.ending.shared_memory import FOLDER
+from course_kit.base.shutdown.shared_memory import FOLDER
 from tests.programs.dead_segments import PORT_SIZE
 from tests.programs.endless_recovery import FLAGS, IS_IN_ORDER, LIBRARY, MUTEX, NUMBER, Port
 from tests.waiting import wait_until
@@ -30,7 +30,7 @@ GIVEN_BACK = 20.0  # seconds; a quiet machine needs a quarter of one, and one fo
 WAITS = """
 import sys
 from pathlib import Path
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 from tests.programs.endless_recovery import Port
 port = Port(Path(sys.argv[1]))
 print("begins", flush=True)

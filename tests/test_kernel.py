@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.base.ending import shared_memory
+from course_kit.base.shutdown import shared_memory
 from tests.kernel import Kernel
 from tests.waiting import wait_until
 

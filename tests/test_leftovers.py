@@ -20,7 +20,7 @@ import rclpy
 from rclpy.node import Node
 from websocket import create_connection
 
-from course_kit.base.ending import shared_memory
+from course_kit.base.shutdown import shared_memory
 from tests import lab
 from tests.domains import own_domain
 from tests.kernel import Kernel

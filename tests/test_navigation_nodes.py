@@ -75,7 +75,7 @@ def start_robot(where: World) -> Robot:
     return run(Robot, world=where, factor=FACTOR, parameter_overrides=[Parameter("patience", value=PATIENCE)])
 
 
-class Station(Node):
+class DomainObserver(Node):
     """What a person has before them: goals to send, topics to look at."""
 
     def __init__(self) -> None:
@@ -118,9 +118,9 @@ def result(handle: ClientGoalHandle) -> tuple[int, NavigateToPose.Result]:
 
 
 @pytest.fixture
-def station(monkeypatch: pytest.MonkeyPatch) -> Iterator[Station]:
+def station(monkeypatch: pytest.MonkeyPatch) -> Iterator[DomainObserver]:
     monkeypatch.setattr("course_kit.robots.navigation.navigator.ANSWER", PATIENCE)
-    yield run(Station)
+    yield run(DomainObserver)
     stop()
 
 
@@ -130,7 +130,7 @@ def run_mapping(robot: Robot) -> None:
     run(Navigator, parameter_overrides=simulated())
 
 
-def run_on_map(station: Station, known: World, **parameters: Any) -> None:
+def run_on_map(station: DomainObserver, known: World, **parameters: Any) -> None:
     station.publish_map(true_map(known))
     x, y, yaw = known.start
     pose = {"set_initial_pose": True, "initial_pose.x": x, "initial_pose.y": y, "initial_pose.yaw": yaw}
@@ -178,7 +178,7 @@ def test_a_pose_is_the_place_that_it_was_made_of() -> None:
 # Journeys
 
 
-def test_it_maps_an_unknown_world_on_its_way_to_a_goal_and_arrives(station: Station) -> None:
+def test_it_maps_an_unknown_world_on_its_way_to_a_goal_and_arrives(station: DomainObserver) -> None:
     robot = start_robot(world("office", 7))
     run_mapping(robot)
     goal = (*min(robot.world.goals, key=lambda one: math.dist(one, robot.world.start[:2])), 0.0)
@@ -199,7 +199,7 @@ def test_it_maps_an_unknown_world_on_its_way_to_a_goal_and_arrives(station: Stat
     assert walls > 0.9
 
 
-def test_on_a_given_map_it_knows_where_it_is_and_drives_around_what_is_not_on_it(station: Station) -> None:
+def test_on_a_given_map_it_knows_where_it_is_and_drives_around_what_is_not_on_it(station: DomainObserver) -> None:
     known = replace(EMPTY, start=(1.0, 1.0, 0.0))
     robot = start_robot(replace(known, pillars=(Pillar(2.0, 1.1, 0.2),)))
     run_on_map(station, known)
@@ -217,7 +217,7 @@ def test_on_a_given_map_it_knows_where_it_is_and_drives_around_what_is_not_on_it
     assert min(np.hypot(*(paths[-1] - (2.0, 1.1)).T)) > 0.3
 
 
-def test_it_plans_anew_as_soon_as_its_map_has_what_stands_on_its_path(station: Station) -> None:
+def test_it_plans_anew_as_soon_as_its_map_has_what_stands_on_its_path(station: DomainObserver) -> None:
     goal, edge = (5.2, 2.5, 0.0), 4.5
     screen = Wall(edge + 0.05, 2.5, 0.1, 0.8)  # across the way, and too far for the laser at first
     robot = start_robot(replace(EMPTY, start=(0.7, 2.5, 0.0), walls=(*EMPTY.walls, screen)))
@@ -235,7 +235,7 @@ def test_it_plans_anew_as_soon_as_its_map_has_what_stands_on_its_path(station: S
     assert second[0][0] < edge - 0.5
 
 
-def test_a_goal_that_is_cancelled_stops_the_robot(station: Station) -> None:
+def test_a_goal_that_is_cancelled_stops_the_robot(station: DomainObserver) -> None:
     robot = start_robot(replace(EMPTY, start=(1.0, 1.0, 0.0)))
     run_mapping(robot)
     handle = station.send((5.0, 1.0, 0.0))
@@ -250,7 +250,7 @@ def test_a_goal_that_is_cancelled_stops_the_robot(station: Station) -> None:
     assert (last.linear.x, last.angular.z) == (0.0, 0.0)
 
 
-def test_a_new_goal_takes_the_place_of_the_one_that_runs_also_by_goal_pose(station: Station) -> None:
+def test_a_new_goal_takes_the_place_of_the_one_that_runs_also_by_goal_pose(station: DomainObserver) -> None:
     robot = start_robot(replace(EMPTY, start=(3.0, 2.5, 0.0)))
     run_mapping(robot)
     handle = station.send((5.0, 2.5, 0.0))
@@ -272,7 +272,7 @@ def test_a_new_goal_takes_the_place_of_the_one_that_runs_also_by_goal_pose(stati
     ],
 )
 def test_a_goal_that_cannot_be_is_aborted_with_the_reason(
-    station: Station, goal: Place, frame: str, code: int, words: str
+    station: DomainObserver, goal: Place, frame: str, code: int, words: str
 ) -> None:
     run_mapping(start_robot(replace(EMPTY, start=(4.0, 2.0, 0.0))))
     wait_until(lambda: station.heard["map"], "a map")
@@ -281,7 +281,7 @@ def test_a_goal_that_cannot_be_is_aborted_with_the_reason(
     assert words in ended.error_msg
 
 
-def test_without_a_planner_it_says_so(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_planner_it_says_so(station: DomainObserver, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("course_kit.robots.navigation.navigator.ANSWER", 3.0)
     robot = start_robot(EMPTY)
     run(Mapper, parameter_overrides=simulated(initial_pose=list(robot.world.start)))
@@ -323,7 +323,7 @@ class Loser(Node):
 
 @pytest.mark.parametrize("loses_the_first", [True, False])
 def test_a_planner_is_asked_again_and_the_first_answer_counts(
-    station: Station, monkeypatch: pytest.MonkeyPatch, loses_the_first: bool
+    station: DomainObserver, monkeypatch: pytest.MonkeyPatch, loses_the_first: bool
 ) -> None:
     monkeypatch.setattr("course_kit.robots.navigation.navigator.LOST", 0.5)
     robot = start_robot(replace(EMPTY, start=(1.0, 1.0, 0.0)))
@@ -338,7 +338,7 @@ def test_a_planner_is_asked_again_and_the_first_answer_counts(
 # Parts
 
 
-def test_a_plan_is_asked_for_by_service_and_one_without_poses_is_none(station: Station) -> None:
+def test_a_plan_is_asked_for_by_service_and_one_without_poses_is_none(station: DomainObserver) -> None:
     robot = start_robot(EMPTY)
     station.publish_map(true_map(robot.world))
     run(Planner, parameter_overrides=simulated(allow_unknown=False))
@@ -361,7 +361,7 @@ def test_a_plan_is_asked_for_by_service_and_one_without_poses_is_none(station: S
 
 @pytest.mark.parametrize("late", ["tf", "listener"])
 def test_a_goal_waits_for_tf_and_for_who_listens_to_its_plan(
-    station: Station, monkeypatch: pytest.MonkeyPatch, late: str
+    station: DomainObserver, monkeypatch: pytest.MonkeyPatch, late: str
 ) -> None:
     monkeypatch.setattr("course_kit.robots.navigation.planner.WAIT", PATIENCE)
     station.destroy_subscription(next(one for one in station.subscriptions if one.topic_name == "/plan"))
@@ -391,7 +391,7 @@ def test_a_goal_waits_for_tf_and_for_who_listens_to_its_plan(
     assert place_of(plans[0].poses[-1].pose) == pytest.approx((5.0, 4.0, 0.0), abs=1e-6)
 
 
-def test_the_localizer_begins_anywhere_or_where_it_is_told(station: Station) -> None:
+def test_the_localizer_begins_anywhere_or_where_it_is_told(station: DomainObserver) -> None:
     robot = start_robot(world("rooms"))
     station.publish_map(true_map(robot.world))
     localizer = run(Localizer, parameter_overrides=simulated())

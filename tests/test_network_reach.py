@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
-from course_kit.exercises.domains import STAGES
-from course_kit.ros.internals.fastdds_parts import participant_ports
+from course_kit.exercises.domains import TEST_DOMAINS
+from course_kit.ros.private_api.fastdds_parts import participant_ports
 from tests.benchmark.child import PROFILES
 
 HERE, THERE = "10.77.0.1", "10.77.0.2"
@@ -26,7 +26,7 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("ip") is None, reason="`ip` is not installed: apt-get install iproute2"),
     pytest.mark.timeout(180),
 ]
-# A kernel's node, a checker with its stage, a command, a program that was started.
+# A kernel's node, a checker with its test domain, a command, a program that was started.
 VICTIM = """
 import os, sys
 from course_kit import check, run, start, wait_for
@@ -121,11 +121,11 @@ def victim(host: str, folder: Path, reach: str) -> Iterator[None]:
 
 
 def attack(host: str, seconds: float) -> dict[str, Any]:
-    """What one on the other host gets, who knows the address, the domain and the stages."""
+    """What one on the other host gets, who knows the address, the domain and the test domains."""
     environ = dict(os.environ) | {"FASTRTPS_DEFAULT_PROFILES_FILE": str(PROFILES["stock"]), "ROS_STATIC_PEERS": HERE}
     environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"
     environ.pop("ROS_LOCALHOST_ONLY", None)
-    domains = json.dumps([DOMAIN, STAGES[0]])
+    domains = json.dumps([DOMAIN, TEST_DOMAINS[0]])
     command = ["ip", "netns", "exec", host, sys.executable, "-c", ATTACKER, domains, str(seconds)]
     done = subprocess.run(command, env=environ, capture_output=True, text=True, timeout=90)
     assert done.returncode == 0, done.stderr
@@ -135,11 +135,11 @@ def attack(host: str, seconds: float) -> dict[str, Any]:
 
 def addresses(host: str) -> set[str]:
     """The addresses at which participants listen on this host."""
-    ports = {*participant_ports(DOMAIN), *participant_ports(STAGES[0])}
+    ports = {*participant_ports(DOMAIN), *participant_ports(TEST_DOMAINS[0])}
     read = subprocess.run(["ip", "netns", "exec", host, "cat", "/proc/net/udp"], capture_output=True, text=True)
     ends = [line.split()[1].split(":") for line in read.stdout.splitlines()[1:]]
     listening = [address for address, port in ends if int(port, 16) in ports]
-    assert len(listening) >= 8  # two of each of: the kernel and its stage, the checker and its stage, the programs
+    assert len(listening) >= 8  # two of each: kernel, checker, the test domain of each, programs
     return set(listening)
 
 

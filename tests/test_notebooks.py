@@ -19,7 +19,7 @@ from jupyter_client.kernelspec import get_kernel_spec
 from course_kit.classroom.release import KEPT_EMPTY
 from course_kit.exercises.notebooks import reference
 from course_kit.exercises.notebooks.definitions import definitions
-from course_kit.setup.environment.notebook import START
+from course_kit.setup.environment.checks.notebook import START
 from tests.lab import CHROMIUM
 
 ROOT = Path(__file__).parents[1]

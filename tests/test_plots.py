@@ -23,8 +23,8 @@ from turtlesim.msg import Pose
 from course_kit.base.figures import AMBER, COLOURS, FAINT, INK, PANEL, PAPER, SKY, as_ink, contrast
 from course_kit.lab.recordings import tracks
 from course_kit.lab.recordings.buffers import MessageBuffer
-from course_kit.lab.recordings.meters import measure_rates
 from course_kit.lab.recordings.plots import plot_pose, plot_rates
+from course_kit.lab.recordings.rates import measure_rates
 from course_kit.lab.recordings.recording import Recording, record
 from course_kit.lab.recordings.topic_recording import TopicRecording
 from course_kit.ros.spinning import context

@@ -23,7 +23,7 @@ from course_kit.lab.recordings.buffers import MessageBuffer
 from course_kit.lab.recordings.recording import Recording, RecordingTimeout, record
 from course_kit.lab.recordings.topic_recording import TopicRecording
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from tests.senders import DIGITS, PLACES, Sender
 from tests.waiting import interrupted_when, wait_until
 
@@ -304,6 +304,6 @@ assert again.is_running
 
 
 def test_the_recorder_leaves_no_subscription_behind() -> None:
-    assert instruments.node().count_subscribers("/nothing") == 0
+    assert observer_node.node().count_subscribers("/nothing") == 0
     record("/nothing", String, seconds=0.05)
-    wait_until(lambda: instruments.node().count_subscribers("/nothing") == 0)
+    wait_until(lambda: observer_node.node().count_subscribers("/nothing") == 0)

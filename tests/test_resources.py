@@ -19,14 +19,14 @@ from std_msgs.msg import String
 from course_kit.base.programs import processes
 from course_kit.base.programs.child_process import Process
 from course_kit.lab.background import running
-from course_kit.lab.recordings.meters import measure_rates
+from course_kit.lab.recordings.rates import measure_rates
 from course_kit.lab.resources import processes_with_nodes, resource_recording
 from course_kit.lab.resources.processes_with_nodes import NOTEBOOK, listens
 from course_kit.lab.resources.resource_plots import plot_resources
 from course_kit.lab.resources.resource_recording import record_resources
-from course_kit.ros.internals.fastdds_parts import Origin
+from course_kit.ros.private_api.fastdds_parts import Origin
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from tests.waiting import wait_until
 
 PROGRAM = [sys.executable, str(Path(__file__).with_name("plain_node.py"))]
@@ -79,7 +79,7 @@ def test_each_node_is_found_in_its_process(busy: Process) -> None:
 
 
 def test_a_process_that_takes_no_part_is_not_believed(busy: Process) -> None:
-    domain = instruments.node().context.get_domain_id()
+    domain = observer_node.node().context.get_domain_id()
     assert listens(os.getpid(), domain) and listens(busy.pid, domain)
     assert not listens(os.getppid(), domain) and not listens(busy.pid, (domain + 50) % 100)
 
@@ -93,12 +93,12 @@ def test_a_process_that_takes_no_part_is_not_believed(busy: Process) -> None:
     ],
 )
 def test_what_is_not_known_is_said(busy: Process, origin: Origin, answer: tuple[None, str]) -> None:
-    own = processes_with_nodes._own_origin(instruments.node())
+    own = processes_with_nodes._own_origin(observer_node.node())
     assert own is not None and own.pid_bits == os.getpid() & 0xFFFF
     taken = {pid & 0xFFFF for pid in psutil.pids()}
     bits = next(bits for bits in range(30_000, 0, -1) if bits not in taken) if origin.pid_bits == 0 else origin.pid_bits
     origin = Origin(origin.host or own.host, bits)
-    assert processes_with_nodes._process_of(origin, own, instruments.node().context.get_domain_id()) == answer
+    assert processes_with_nodes._process_of(origin, own, observer_node.node().context.get_domain_id()) == answer
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,7 @@ from course_kit.lab.bags import files as bag_files
 from course_kit.lab.bags.files import BagInfo, BagTopic
 from course_kit.lab.bags.writer import BagWriter
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import instruments, topics
+from course_kit.ros.subscriptions import observer_node, topics
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND, ros2
 from tests.ros2_running import Running
@@ -85,7 +85,7 @@ class Received:
             self.times.append(info["received_timestamp"])
             self.numbers.append(int(deserialize_message(data, String).data))
 
-        self._subscription = instruments.subscribe(topic, receive, String)
+        self._subscription = observer_node.subscribe(topic, receive, String)
 
     def __enter__(self) -> Received:
         return self
@@ -400,7 +400,7 @@ def test_playing_offers_the_recorded_profiles(tmp_path: Path) -> None:
         wait_until(lambda: recording.message_count >= 4)
     with bag_command("play", str(folder), "--start-paused") as run:
         run.until("Playback until")
-        node = instruments.node()
+        node = observer_node.node()
 
         def named(topic: str) -> list[str]:  # the graph learns a publisher first, then its node's name
             return [*map(topics.node_name, topics.publishers(node, topic))]
@@ -424,7 +424,7 @@ def test_playing_gives_the_time_of_the_bag(tmp_path: Path) -> None:
         clock = deserialize_message(data, Clock).clock
         stamps.append(clock.sec + clock.nanosec * 1e-9)
 
-    with contextlib.closing(instruments.subscribe("/clock", receive, Clock)):
+    with contextlib.closing(observer_node.subscribe("/clock", receive, Clock)):
         assert ros2("bag", "play", "--clock", "50", str(bag)).status == 0
         assert len(stamps) > 25
         assert 1000 <= stamps[0] < stamps[-1] < 1001.1

@@ -18,7 +18,7 @@ from service_msgs.msg import ServiceEventInfo
 
 from course_kit.lab import bags
 from course_kit.lab.background.running import run, stop
-from course_kit.ros.watching import clients, instruments
+from course_kit.ros.subscriptions import clients, observer_node
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
@@ -89,7 +89,7 @@ def test_calls_are_recorded_and_made_again(adder: Adder, tmp_path: Path) -> None
     def receive(data: bytes, info: dict[str, Any]) -> None:
         kinds.append(deserialize_message(data, AddTwoInts.Event).info.event_type)
 
-    with closing(instruments.subscribe(f"/add{EVENTS}", receive, AddTwoInts.Event)):
+    with closing(observer_node.subscribe(f"/add{EVENTS}", receive, AddTwoInts.Event)):
         wait_until(lambda: len(kinds) == 12)  # the server's own, kept
         kinds.clear()
         assert ros2("bag", "play", str(bag)).status == 0

@@ -18,7 +18,7 @@ from course_kit.cli.ros2.messages.values import parse, populate
 from course_kit.cli.ros2.messages.yaml_text import to_dict
 from course_kit.ros.interface_types import message_class
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from tests.ros2_command import COMMAND, program
 from tests.terminal import Terminal
 
@@ -93,7 +93,7 @@ def test_tab_offers_what_fits(line, expected, tmp_path):
 
 def test_tab_leaves_the_graph_and_does_not_vanish_from_it(tmp_path):
     try:
-        node = instruments.node()
+        node = observer_node.node()
 
         def participants() -> int:
             return len(node.get_publishers_info_by_topic("ros_discovery_info", no_mangle=True))

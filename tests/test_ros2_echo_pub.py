@@ -14,7 +14,7 @@ from course_kit.cli.ros2.messages.yaml_text import Shown
 from course_kit.cli.ros2.topic import endpoints
 from course_kit.cli.ros2.topic.echo_text import expression, lost_text, message_text, selector
 from course_kit.cli.ros2.verbs import CommandError, did_you_mean
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from tests.ros2_command import program, ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
@@ -292,7 +292,7 @@ def test_what_pub_cannot_do_is_said_in_a_line(words, error):
 
 
 def test_echo_and_pub_leave_a_process_that_goes_on_as_it_was(capfd):
-    own = instruments.node()
+    own = observer_node.node()
     before = len(list(own.publishers)), len(list(own.clients)), len(list(own.subscriptions))
     for number in range(3):
         assert run(("topic", "echo", "/chatter", "--once")) == 0

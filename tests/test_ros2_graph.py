@@ -11,7 +11,7 @@ import pytest
 from rclpy.serialization import serialize_message
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
-from course_kit.ros.internals.fastdds_parts import entities, participants_listening
+from course_kit.ros.private_api.fastdds_parts import entities, participants_listening
 from tests.benchmark.child import Program
 from tests.domains import own_domain
 from tests.ros2_command import ros2

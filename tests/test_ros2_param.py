@@ -18,7 +18,7 @@ from rclpy.parameter import Parameter
 
 from course_kit.lab.background.running import run, stop
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from tests.ros2_command import ros2
 from tests.ros2_running import Running
 from tests.waiting import wait_until
@@ -134,7 +134,7 @@ def test_a_node_that_only_starts_is_waited_for(verb: str, rest: str, said: str, 
     absent = ros2(*words, "--timeout", "0")
     assert (absent.out, absent.err, absent.status) == ("", "Node not found\n", 1)
     with Running(*words, "--timeout", "50") as waiting:
-        wait_until(lambda: any(name.startswith("_ros2cli") for name in instruments.node().get_node_names()))
+        wait_until(lambda: any(name.startswith("_ros2cli") for name in observer_node.node().get_node_names()))
         node = run(Robot)
         outcome = waiting.end()
         stop(node)

@@ -86,7 +86,7 @@ def test_a_parser_alone_loads_no_ros():
 # Says at the first import of what nodes are made of whether this process has joined the graph.
 JOINED = """
 import os, sys
-from course_kit.ros.internals.fastdds_parts import participants_listening
+from course_kit.ros.private_api.fastdds_parts import participants_listening
 from course_kit.cli.ros2.command import main
 
 class Look:
@@ -113,7 +113,7 @@ def test_the_graph_is_joined_before_the_rest_is_imported(words):
 LATER = """
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from course_kit.ros.internals.import_parts import arrays_later, import_less
+from course_kit.ros.private_api.import_parts import arrays_later, import_less
 
 import_less()
 import yaml

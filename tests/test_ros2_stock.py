@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from course_kit.ros.internals.fastdds_parts import participants_listening
-from course_kit.ros.internals.rtps_parts import ask_to_announce
+from course_kit.ros.private_api.fastdds_parts import participants_listening
+from course_kit.ros.private_api.rtps_parts import ask_to_announce
 from tests.benchmark.child import Program
 from tests.domains import own_domain
 from tests.ros2_command import ros2

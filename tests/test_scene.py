@@ -27,7 +27,7 @@ from course_kit.lab.scene.frames import Frames
 from course_kit.lab.scene.scene import layer, matrix, scene
 from course_kit.lab.scene.scene_plots import FREE, NOT_KNOWN, OCCUPIED, plot_scene, shades
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 from tests.waiting import wait_until
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from course_kit.base.ending.shared_memory import FOLDER
-from course_kit.ros.watching import instruments
+from course_kit.base.shutdown.shared_memory import FOLDER
+from course_kit.ros.subscriptions import observer_node
 from tests.standing import port_of, standing
 
 PORT = "7f0e8c000000-7f0e8c100000 rw-s 00000000 00:19 52"
@@ -23,7 +23,7 @@ def test_a_port_that_nobody_finds_any_more_is_told(path: str, said: str) -> None
 
 
 def test_the_ports_and_the_known_nodes_are_told() -> None:
-    node = instruments.node()
+    node = observer_node.node()
     *ports, nodes = standing().splitlines()
     assert ports
     assert all((FOLDER / port.split()[0]).exists() for port in ports)

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from course_kit.exercises.catalogue import CHAPTERS
-from course_kit.setup.environment.notebook import START
+from course_kit.setup.environment.checks.notebook import START
 from tests.chapters import FOLDER, PATHS, cells, headings, prose
 from tests.test_notebook_edition import stated_time
 

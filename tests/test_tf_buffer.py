@@ -29,7 +29,7 @@ from tf2_ros import (
 )
 
 from course_kit.robots.tf.link import Link, Sample
-from course_kit.robots.tf.placement import IDENTITY
+from course_kit.robots.tf.rigid_transforms import IDENTITY
 from course_kit.ros.causes import cause_of
 from tests.transforms import at, place, stamp
 from tests.waiting import wait_until

@@ -27,7 +27,7 @@ from rosgraph_msgs.msg import Clock
 from tf2_msgs.srv import FrameGraph
 from tf2_ros import Buffer, StaticTransformBroadcaster, TransformBroadcaster, TransformException, TransformListener
 
-from course_kit.ros.internals.rclpy_parts import fast_executor
+from course_kit.ros.private_api.rclpy_parts import fast_executor
 from course_kit.ros.spinning import context
 from tests.ros2_command import end
 from tests.transforms import at, place

@@ -19,7 +19,7 @@ import time
 from course_kit import record, run, stop
 from course_kit import drive
 from course_kit import TurtleSim
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 turtlesim = run(TurtleSim)
 """
 MIDDLE = 5.544444561004639

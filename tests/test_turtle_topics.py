@@ -20,7 +20,7 @@ from turtlesim.srv import Kill, SetPen, Spawn, TeleportAbsolute
 from course_kit import run, stop
 from course_kit.robots.turtlesim import picture
 from course_kit.robots.turtlesim.node import TurtleSim
-from course_kit.ros.watching import clients, instruments
+from course_kit.ros.subscriptions import clients, observer_node
 from course_kit.views.live.turtle_topics import TurtleTopics
 from tests.waiting import wait_until
 
@@ -70,7 +70,7 @@ def colours(seen: TurtleTopics) -> int:
 def teleport(turtle: str, x: float, y: float) -> None:
     """Have the turtle there: the simulator does so at its next tick, and draws with the pen that it has then."""
     poses: list[Any] = []
-    subscription = instruments.subscribe(f"/{turtle}/pose", lambda *came: poses.append(came), Pose)
+    subscription = observer_node.subscribe(f"/{turtle}/pose", lambda *came: poses.append(came), Pose)
     call(TeleportAbsolute, f"/{turtle}/teleport_absolute", x=x, y=y, theta=1.0)
     before = len(poses)
     wait_until(lambda: len(poses) > before + 2)

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.exercises.domains import STAGES
+from course_kit.exercises.domains import TEST_DOMAINS
 from course_kit.setup.environment.activation import PROFILE
 from tests.grading.handed_in import references
 from tests.other_users import another_machine, command_of
 
 ANN, BOB = 3042, 3142
-DOMAINS = (43, *STAGES[:8])  # Ann's, and the stages that she can get
+DOMAINS = (43, *TEST_DOMAINS[:8])  # Ann's, and the test domains that she can get
 EXERCISE = "topics-1"
 pytestmark = [
     pytest.mark.skipif(os.getuid() != 0, reason="only root can be several users"),

@@ -1,4 +1,4 @@
-"""Many users on one machine: no two of them have the same domain or stage, and what has ended is free again."""
+"""Many users on one machine: no two of them have the same domain or test domain, and what has ended is free again."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from course_kit.setup.environment import user_domain
 pytestmark = pytest.mark.skipif(os.getuid() != 0, reason="only root can be several users")
 
 TAKE = "take(os.getuid(){})"
-RESERVE = "reserve_stage()"
+RESERVE = "reserve_domain()"
 # Users of the course have another of the ports that DDS leaves free, also those beside this test.
 PORT, OTHER_PORT = f"UNUSED = {user_domain.UNUSED}", f"UNUSED = {user_domain.UNUSED + 1}"
 # Users who prefer the same domain, 43.
@@ -116,7 +116,7 @@ def test_sixty_users_at_once_share_nothing(module, call) -> None:
         running = [all_of_them.enter_context(process(uid, module.__file__, call)) for uid in users]
         given = [told(one) for one in running]
         assert len(set(given)) == len(users), given
-        assert set(given) <= set(user_domain.DOMAINS if module is user_domain else domains.STAGES)
+        assert set(given) <= set(user_domain.DOMAINS if module is user_domain else domains.TEST_DOMAINS)
     with process(users[0], module.__file__, call) as after:
         assert told(after) in given
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 from course_kit.exercises.protocol.channel import Channel
 from tests.leftovers import made_by
 from tests.waiting import TIMEOUT, wait_until
@@ -68,8 +68,8 @@ command.main()
 
 CHECKER = """
 from course_kit.exercises.checker import __main__ as checker
-from course_kit.ros.observing import station
-station.Station.close = lambda self: stuck()
+from course_kit.ros.observing import domain_observer as observer
+observer.DomainObserver.close = lambda self: stuck()
 checker.main()
 """
 
@@ -117,12 +117,12 @@ def run(code: str, *arguments: str) -> tuple[int, list[str]]:
 
 @pytest.mark.parametrize("status", [0, 7, 255])
 def test_the_timer_ends_a_process_that_a_native_call_holds(status: int) -> None:
-    code = f"from course_kit.base.ending import watchdog; watchdog.end_in(0.3, {status}); stuck()"
+    code = f"from course_kit.base.shutdown import watchdog; watchdog.end_in(0.3, {status}); stuck()"
     assert run(code) == (status, [])
 
 
 def test_a_cancelled_timer_ends_nothing() -> None:
-    code = "import time; from course_kit.base.ending import watchdog; watchdog.end_in(0.1, 7); watchdog.let_live(); "
+    code = "import time; from course_kit.base.shutdown import watchdog; watchdog.end_in(0.1, 7); watchdog.let_live(); "
     assert run(code + "time.sleep(0.5); print('here')") == (0, ["here"])
 
 
@@ -217,13 +217,13 @@ def test_a_second_signal_ends_a_recording_whose_end_is_held(tmp_path: Path) -> N
 
 
 def test_what_ends_by_itself_after_a_signal_has_its_own_status() -> None:
-    code = "import os, signal, time; from course_kit.base.ending import watchdog"
+    code = "import os, signal, time; from course_kit.base.shutdown import watchdog"
     code += "\nsignal.signal(15, lambda *_: os._exit(7));"
     assert run(f"{code} watchdog.end_after_signals(); os.kill(os.getpid(), 15); time.sleep(9)") == (7, [])
 
 
 def test_what_has_to_go_on_heeds_no_signal() -> None:
-    code = "import os, signal, time; from course_kit.base.ending import watchdog; signal.signal(15, lambda *_: None);"
+    code = "import os, signal, time; from course_kit.base.shutdown import watchdog; signal.signal(15, lambda *_: None);"
     code += "watchdog.end_after_signals(0.1); os.kill(os.getpid(), 15); watchdog.heed_no_signals(); time.sleep(0.5);"
     assert run(code + "print('here')") == (0, ["here"])
 
@@ -232,7 +232,7 @@ def test_a_fault_of_its_own_is_told() -> None:
     """Such as a bus error; a thread to which no signals go ends the process without a word."""
     code = """
 from pathlib import Path
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 from course_kit.base.polling import wait_until
 tasks = set(Path("/proc/self/task").iterdir())
 watchdog.begin()
@@ -249,7 +249,7 @@ print(blocked())
 def test_a_forked_child_has_a_watchdog_of_its_own() -> None:
     code = """
 import os
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 watchdog.begin()
 if child := os.fork():
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))

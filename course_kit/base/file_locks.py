@@ -7,8 +7,8 @@ import fcntl
 from collections.abc import Iterator
 from pathlib import Path
 
+from course_kit.base.atomic_files import writing
 from course_kit.base.polling import wait_until
-from course_kit.base.whole_files import writing
 
 
 class LockTimeout(OSError):  # noqa: N818  (reads as what happened)

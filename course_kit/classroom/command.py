@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from course_kit.base.ending.signals import leave_closed_terminal
 from course_kit.base.file_locks import LockTimeout, locked
+from course_kit.base.shutdown.signals import leave_closed_terminal
 from course_kit.classroom import release
 from course_kit.classroom.collect import handins
 from course_kit.classroom.report import feedback, gradebook

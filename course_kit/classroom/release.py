@@ -17,7 +17,7 @@ from typing import Any
 
 import nbformat
 
-from course_kit.base.whole_files import NotWritten, write_whole, writing
+from course_kit.base.atomic_files import NotWritten, write_whole, writing
 from course_kit.exercises.catalogue import CHAPTERS
 from course_kit.exercises.notebooks.reference import ANSWER, CHECK, EXERCISE, is_untouched, mark_of, stripped
 

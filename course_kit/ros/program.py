@@ -18,8 +18,8 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
-from course_kit.base.ending import watchdog
-from course_kit.base.ending.signals import asking_to_end, leave_closed_terminal
+from course_kit.base.shutdown import watchdog
+from course_kit.base.shutdown.signals import asking_to_end, leave_closed_terminal
 
 SIGNAL_TIMEOUT = 0.1  # seconds until a signal is looked at where no message comes
 NodeType = TypeVar("NodeType", bound=Node)

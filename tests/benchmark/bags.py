@@ -98,7 +98,7 @@ def _played(seconds: float) -> list[float]:
     from course_kit.base.polling import wait_until
     from course_kit.lab.bags.writer import BagWriter
     from course_kit.ros.spinning import context
-    from course_kit.ros.watching import instruments
+    from course_kit.ros.subscriptions import observer_node
 
     count = int(seconds * PLAY_RATE)
     times: list[int] = []
@@ -108,7 +108,7 @@ def _played(seconds: float) -> list[float]:
         for number in range(count):
             writer.write("/played", 10**18 + number * 10**9 // PLAY_RATE, serialize_message(String(data=str(number))))
         writer.close()
-        subscription = instruments.subscribe(
+        subscription = observer_node.subscribe(
             "/played", lambda data, info: times.append(info["received_timestamp"]), String
         )
         player = _ros2("play", str(writer.folder))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from unittest import mock
 
-from course_kit.base.ending import shared_memory
+from course_kit.base.shutdown import shared_memory
 from tests.benchmark.child import Program
 from tests.benchmark.students import shared_memory_in_use
 from tests.benchmark.table import Row, at_most

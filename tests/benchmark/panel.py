@@ -33,7 +33,7 @@ from rclpy.node import Node
 from turtlesim.msg import Pose
 from course_kit import run
 from course_kit import TurtleSim
-from course_kit.ros.watching import clients
+from course_kit.ros.subscriptions import clients
 from turtlesim.srv import Spawn
 class Circles(Node):
     def __init__(self):

@@ -8,7 +8,7 @@ from tests.exercises.services.services_1_lamp import LAMP
 FULL = '"services-1 · A lamp: 2 of 2 points"'
 TRIED = '\nprint("tried")\n'
 VERDICT = """
-from course_kit.exercises.in_notebook import client
+from course_kit.exercises.in_notebook import checker_client
 from course_kit.exercises.protocol.verdict import Finding, Verdict
 full = Verdict("services-1", "A lamp", 2, findings=(Finding("all of it", True, "", 2),))
 """
@@ -91,7 +91,7 @@ CHEATS = [
             "    except OSError:\n"
             "        pass",
         ),
-        ("ask_replaced", "Give full points in place of asking.", f"{VERDICT}client.ask = lambda *a, **k: full"),
+        ("ask_replaced", "Give full points in place of asking.", f"{VERDICT}checker_client.ask = lambda *a, **k: full"),
         (
             "verdict_replaced",
             "Have each verdict made with all points.",
@@ -112,20 +112,20 @@ CHEATS = [
             "        for message in messages:\n"
             "            far.send(message)\n"
             "threading.Thread(target=serve, daemon=True).start()\n"
-            "client._checker = False_(); client.GradersChecker = lambda *a: False_()",
+            "checker_client._checker = False_(); checker_client.GradersChecker = lambda *a: False_()",
         ),
         (
             "no_grader",
             "Start a checker of one's own, of a false program.",
-            "import os, sys\nfrom course_kit.exercises.in_notebook import client, surroundings\n"
+            "import os, sys\nfrom course_kit.exercises.in_notebook import checker_client, checker_environment\n"
             "open('python', 'w').write('#!/bin/sh\\nexit 0\\n'); os.chmod('python', 0o755)\n"
-            "sys.executable = os.path.abspath('python'); surroundings.at_start = lambda: dict(os.environ)\n"
+            "sys.executable = os.path.abspath('python'); checker_environment.at_start = lambda: dict(os.environ)\n"
             "del os.environ['COURSE_KIT_GRADER']",
         ),
         (
             "asks_for_another",
             "Ask for another exercise, which is right, in place of this one.",
-            f"{VERDICT}plain = client.ask\nclient.ask = lambda exercise, *rest: plain('services-4', *rest)",
+            f"{VERDICT}plain = checker_client.ask\nclient.ask = lambda exercise, *rest: plain('services-4', *rest)",
         ),
         ("forges_before", "Forge verdicts at the grader's socket, in the answer cell.", f"{AT_THE_SOCKET}forge()"),
         (
@@ -193,18 +193,18 @@ CHEATS += [
         "asks_twice",
         "services-1",
         "Ask again where the first draw was bad: here, with a right lamp at the second time.",
-        f"{LAMP}\nRight = Lamp\n{EMPTY}{VERDICT}plain = client.ask\n"
+        f"{LAMP}\nRight = Lamp\n{EMPTY}{VERDICT}plain = checker_client.ask\n"
         "def ask(exercise, value, names, seed=None):\n"
         "    plain(exercise, value, names)\n"
         "    return plain(exercise, value, {**names, 'Lamp': Right})\n"
-        "client.ask = ask",
+        "checker_client.ask = ask",
         by_default=True,
     ),
     Cheat(
         "chooses_the_seed",
         "services-1",
         "Ask with a seed, so that the draw is known; the answer is right, the seed must be another.",
-        f"{LAMP}{VERDICT}plain = client.ask\nclient.ask = lambda *a, **k: plain(*a[:3], 4711)",
+        f"{LAMP}{VERDICT}plain = checker_client.ask\nclient.ask = lambda *a, **k: plain(*a[:3], 4711)",
         points=2,
     ),
     Cheat(

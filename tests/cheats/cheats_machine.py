@@ -245,17 +245,17 @@ SOLUTIONS = f"""
 import importlib, pathlib, re, subprocess, sys
 import course_kit
 from course_kit import solution
-from course_kit.exercises.in_notebook import progress, surroundings
+from course_kit.exercises.in_notebook import progress, checker_environment
 from course_kit.exercises.solutions import worked
 solution("services-1")
 course, here = pathlib.Path(course_kit.__file__).parent, pathlib.Path("{COURSE}/course_kit")
 places = {{place / "exercises/services/solutions" for place in (course, course.resolve(), here)}}
 # Where nothing says that it is graded, and the points are full.
-plain, surroundings.at_start = surroundings.at_start, lambda: {{}}
+plain, checker_environment.at_start = checker_environment.at_start, lambda: {{}}
 progress.path().parent.mkdir(parents=True, exist_ok=True)
 progress.path().write_text('{{"points": {{"services-1": 2}}}}')
 solution("services-1")
-surroundings.at_start = plain
+checker_environment.at_start = plain
 found = [path for place in (*places, *worked.folders()) for path in place.rglob("*")]
 for place in places:
     try:

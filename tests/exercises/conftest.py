@@ -1,4 +1,4 @@
-"""What tests of the checks' vocabulary share."""
+"""Fixtures of the tests of assertions."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ import pytest
 
 from course_kit.exercises.catalogue import find
 from course_kit.exercises.checker.examination import Examination, begin
-from course_kit.exercises.domains import reserve_stage
-from course_kit.ros.observing.station import Station
+from course_kit.exercises.domains import reserve_domain
+from course_kit.ros.observing.domain_observer import DomainObserver
 
 
 @pytest.fixture(scope="session")
-def stage_domain() -> int:
-    """A stage for the tests of this process: there are few of them, and one is kept until its process ends."""
-    return reserve_stage()
+def test_domain() -> int:
+    """A test domain for the tests of this process: there are few of them, and one is kept until its process ends."""
+    return reserve_domain()
 
 
 @pytest.fixture
-def examination(stage_domain: int) -> Iterator[Examination]:
-    """One that runs, on the stage and without a notebook: what the vocabulary says is noted in it."""
-    station = Station(stage_domain, only_here=True)
+def examination(test_domain: int) -> Iterator[Examination]:
+    """One that runs, in the test domain and without a notebook: assertions note their findings in it."""
+    observer = DomainObserver(test_domain, only_here=True)
     made = Examination(
-        replace(find("services-1"), node_class=None, timeout=60.0), station, station, {}, lambda order, timeout: {}
+        replace(find("services-1"), node_class=None, timeout=60.0), observer, observer, {}, lambda order, timeout: {}
     )
     begin(made)
     yield made
     begin(None)
-    station.close()
+    observer.close()

@@ -29,7 +29,7 @@ from example_interfaces.srv import AddTwoInts
 from rclpy.node import Node
 from std_msgs.msg import Int32, String
 from course_kit import check, logs, nodes, run, stop, wait_for
-from course_kit.exercises.in_notebook import client
+from course_kit.exercises.in_notebook import checker_client
 """
 LOOPS = changed(
     COUNTDOWN, ("        if self.publisher.get", "        while True:\n            pass\n        if self.publisher.get")
@@ -84,7 +84,7 @@ def shown(kernel: Kernel, code: str) -> str:
 
 
 def checker_of(kernel: Kernel) -> int:
-    return int(shown(kernel, "client.pid()"))
+    return int(shown(kernel, "checker_client.pid()"))
 
 
 def is_gone(pid: int) -> bool:

@@ -11,7 +11,7 @@ from action_msgs.msg import GoalStatus
 from turtlesim.msg import Pose
 
 from course_kit.exercises.actions.star_driven import Star
-from course_kit.exercises.checker.vocabulary_actions import Goal
+from course_kit.exercises.checker.action_assertions import Goal
 
 SIDE = 1.2
 TICK = 16_000_000  # nanoseconds

@@ -20,10 +20,10 @@ from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
 
+from course_kit.exercises.checker.assertions import expect
 from course_kit.exercises.checker.examination import Ended, Examination
-from course_kit.exercises.checker.vocabulary import expect
-from course_kit.exercises.checker.vocabulary_services import expect_service
-from course_kit.exercises.checker.vocabulary_topics import expect_topic, listen, publish_steadily, publisher
+from course_kit.exercises.checker.service_assertions import expect_service
+from course_kit.exercises.checker.topic_assertions import expect_topic, listen, publish_steadily, publisher
 from course_kit.exercises.in_notebook.answer_host import AnswerHost, close, obey
 from course_kit.ros.spinning import context as ros_context
 from course_kit.ros.spinning.executors import SpinThread
@@ -115,14 +115,14 @@ class Serves(Node):
 
 @pytest.fixture
 def host(examination: Examination) -> Iterator[AnswerHost]:
-    with contextlib.closing(AnswerHost(examination.stage.domain)) as host:
+    with contextlib.closing(AnswerHost(examination.test_domain.domain)) as host:
         yield host
 
 
 @pytest.fixture
 def stranger(examination: Examination) -> Iterator[Node]:
-    """A node of another context on the stage, that says what the answer should say."""
-    context = ros_context.separate(examination.stage.domain, "LOCALHOST")
+    """A node of another context in the test domain, that says what the answer should say."""
+    context = ros_context.separate(examination.test_domain.domain, "LOCALHOST")
     node = Node("talker", context=context, enable_rosout=False)
     words = node.create_publisher(String, "words", 10)
     node.create_timer(0.02, lambda: words.publish(String(data="a stranger's")))
@@ -134,16 +134,16 @@ def stranger(examination: Examination) -> Iterator[Node]:
 
 def examine(host: AnswerHost, examination: Examination, node_class: type[Node]) -> None:
     host.start(node_class, KEEPER)
-    assert examination.stage.examine(KEEPER, 5.0, os.getpid())
+    assert examination.test_domain.examine(KEEPER, 5.0, os.getpid())
 
 
 def test_a_second_answer_is_not_the_first(host: AnswerHost, examination: Examination) -> None:
     for number, node_class in enumerate((Talker, Serves, Talker, Serves)):
         host.start(node_class, f"_keeper_{number}")
-        assert examination.stage.examine(f"_keeper_{number}", 5.0, os.getpid())
+        assert examination.test_domain.examine(f"_keeper_{number}", 5.0, os.getpid())
         name = "/lamp" if node_class is Serves else "/talker"
-        wait_until(lambda: examination.stage.their_nodes())
-        assert examination.stage.their_nodes() == [name]
+        wait_until(lambda: examination.test_domain.their_nodes())
+        assert examination.test_domain.their_nodes() == [name]
 
 
 @pytest.mark.parametrize("node_class", [Talker, PlainInit, Mixed, Managed, WithAHelper, FromAThread])
@@ -151,7 +151,7 @@ def test_every_legal_style_is_examined(
     host: AnswerHost, examination: Examination, stranger: Node, node_class: type[Node]
 ) -> None:
     examine(host, examination, node_class)
-    wait_until(lambda: "/talker" in examination.stage.their_nodes())
+    wait_until(lambda: "/talker" in examination.test_domain.their_nodes())
     expect_topic("/words", String)
     heard = listen("/words", String)
     wait_until(lambda: len(heard) > 5)
@@ -161,7 +161,7 @@ def test_every_legal_style_is_examined(
 
 def test_what_another_context_says_does_not_count(host: AnswerHost, examination: Examination, stranger: Node) -> None:
     examine(host, examination, Empty)
-    wait_until(lambda: examination.stage.their_nodes() == ["/talker"])
+    wait_until(lambda: examination.test_domain.their_nodes() == ["/talker"])
     heard = listen("/words", String)
     wait_until(lambda: heard.received > 20)
     assert len(heard) == 0
@@ -173,12 +173,12 @@ def test_a_service_that_a_stranger_offers_too_is_no_answer(
     host: AnswerHost, examination: Examination, stranger: Node
 ) -> None:
     examine(host, examination, Serves)
-    wait_until(lambda: examination.stage.their_nodes() == ["/lamp"])
+    wait_until(lambda: examination.test_domain.their_nodes() == ["/lamp"])
     client = expect_service("/lamp", SetBool)
     assert client.ask(data=True).response is not None
     assert expect("alone", True, "")
     stranger.create_service(SetBool, "/lamp", lambda _, response: response)
-    wait_until(lambda: examination.stage.strangers("rq/lampRequest"))
+    wait_until(lambda: examination.test_domain.strangers("rq/lampRequest"))
     with pytest.raises(Ended):
         expect("no longer", True, "")
     assert "/talker of another process or context" in examination.findings[-1].hint
@@ -230,13 +230,13 @@ class Tells(Node):
 
 
 @pytest.mark.parametrize("runs", [True, False])
-def test_the_answer_has_threads_where_the_student_s_node_runs_with_them_now(stage_domain: int, runs: bool) -> None:
+def test_the_answer_has_threads_where_the_student_s_node_runs_with_them_now(test_domain: int, runs: bool) -> None:
     ros_context.start()
     executor, node = MultiThreadedExecutor(2), Tells()
     executor.add_node(node)
     if not runs:
         executor.remove_node(node)
-    names, order = {"Tells": Tells, "node": node}, {"domain": stage_domain, "node_class": "Tells"}
+    names, order = {"Tells": Tells, "node": node}, {"domain": test_domain, "node_class": "Tells"}
     try:
         assert obey({**order, "do": "start", "keeper": KEEPER, "threads": None}, names, 20.0) == {"value": None}
         kind = obey({**order, "do": "call", "method": "kind", "arguments": []}, names, 20.0)["value"]

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from course_kit.exercises.checker import own_types
-from course_kit.exercises.in_notebook import surroundings
+from course_kit.exercises.in_notebook import checker_environment
 from tests.domains import OF_NO_TEST
 from tests.kernel import Kernel
 
@@ -50,7 +50,9 @@ def poisoned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[
         (tmp_path / "poison" / name).chmod(0o755)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     kernel = Kernel()
-    kernel.run("from course_kit import check\nfrom course_kit.exercises.in_notebook import client\nimport os, sys")
+    kernel.run(
+        "from course_kit import check\nfrom course_kit.exercises.in_notebook import checker_client\nimport os, sys"
+    )
     poison = {
         "PYTHONPATH": str(tmp_path / "poison"),
         "PYTHONSTARTUP": str(tmp_path / "poison/sitecustomize.py"),
@@ -71,7 +73,7 @@ def test_nothing_of_the_notebook_s_environment_is_loaded(poisoned: tuple[Kernel,
     kernel, witness = poisoned
     shown = kernel.text(kernel.run('check("topics-1")', 60))
     assert "not begun" in shown
-    checker = int(kernel.text(kernel.run("client.pid()")))
+    checker = int(kernel.text(kernel.run("checker_client.pid()")))
     loaded = witness.read_text().split() if witness.exists() else []
     assert str(checker) not in loaded
     environ = Path(f"/proc/{checker}/environ").read_text().split("\0")
@@ -134,15 +136,15 @@ def test_of_a_sourced_ros_all_is_kept_that_lies_in_its_folder(tmp_path: Path) ->
         "LC_ALL": "C.UTF-8",
         "ROS_DOMAIN_ID": "3",
     }
-    environment, paths = surroundings.of_checker(start, None)
+    environment, paths = checker_environment.of_checker(start, None)
     assert paths == [f"{ros}/lib/python3.12/site-packages"]
     assert environment == {
         "HOME": "/home/ada",
         "ROS_DISTRO": "jazzy",
         "AMENT_PREFIX_PATH": str(ros),
         "LD_LIBRARY_PATH": f"{ros}/lib",
-        "PATH": f"{ros}/bin:{surroundings.SYSTEM}",
+        "PATH": f"{ros}/bin:{checker_environment.SYSTEM}",
         "LC_ALL": "C.UTF-8",
         "ROS_DOMAIN_ID": "3",
     }
-    assert surroundings.of_checker(start, 9)[0]["ROS_DOMAIN_ID"] == "9"
+    assert checker_environment.of_checker(start, 9)[0]["ROS_DOMAIN_ID"] == "9"

@@ -12,7 +12,7 @@ import pytest
 
 from course_kit import solution
 from course_kit.exercises import catalogue
-from course_kit.exercises.in_notebook import check, client, progress, surroundings
+from course_kit.exercises.in_notebook import check, checker_client, checker_environment, progress
 from course_kit.exercises.protocol.verdict import NOT_BEGUN, Finding, Verdict
 from course_kit.exercises.solutions import answered, worked
 from tests.exercises.chapter import Chapter, answers_to, changed, chapter, solved
@@ -183,7 +183,9 @@ def test_while_it_is_graded_none_is_shown(
     state: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     progress.record(FULL)
-    monkeypatch.setattr(surroundings, "at_start", lambda: {client.GRADER: "/run/grading/meeting/checker"})
+    monkeypatch.setattr(
+        checker_environment, "at_start", lambda: {checker_client.GRADER: "/run/grading/meeting/checker"}
+    )
     solution("topics-2")
     assert said(capsys) == "solution: none is shown while an answer is graded.\n"
 
@@ -208,7 +210,7 @@ def test_the_last_line_of_a_verdict_says_when_it_is_open(
     tries: int,
     expected: str,
 ) -> None:
-    monkeypatch.setattr(client, "ask", lambda *_: verdict)
+    monkeypatch.setattr(checker_client, "ask", lambda *_: verdict)
     for _ in range(tries):
         capsys.readouterr()
         check.check("topics-2")
@@ -217,7 +219,7 @@ def test_the_last_line_of_a_verdict_says_when_it_is_open(
 
 
 def test_a_repetition_with_a_seed_is_no_try(state: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(client, "ask", lambda *_: NOT_FULL)
+    monkeypatch.setattr(checker_client, "ask", lambda *_: NOT_FULL)
     for _ in range(4):
         check.check("topics-2", seed=3)
     assert left() == 3

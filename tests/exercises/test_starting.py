@@ -12,11 +12,11 @@ from std_msgs.msg import String
 
 from course_kit.base.programs.child_process import Process
 from course_kit.exercises.catalogue import find
-from course_kit.exercises.checker import vocabulary_workspace
+from course_kit.exercises.checker import workspace_assertions
 from course_kit.exercises.checker.examination import Ended, Examination
-from course_kit.exercises.checker.vocabulary_topics import expect_compatible_subscription, publisher
-from course_kit.exercises.checker.vocabulary_workspace import expect_nodes
-from course_kit.ros.watching import topics
+from course_kit.exercises.checker.topic_assertions import expect_compatible_subscription, publisher
+from course_kit.exercises.checker.workspace_assertions import expect_nodes
+from course_kit.ros.subscriptions import topics
 
 NODE = """
 import rclpy
@@ -42,11 +42,11 @@ SLEEPS = "import time\ntime.sleep(20.0)\n"
 def started(
     examination: Examination, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> Iterator[Callable[[str], Process]]:
-    monkeypatch.setattr(vocabulary_workspace, "START_TIMEOUT", 1.0)
+    monkeypatch.setattr(workspace_assertions, "START_TIMEOUT", 1.0)
     made: list[Process] = []
 
     def start(source: str) -> Process:
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(examination.stage.domain)}
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(examination.test_domain.domain)}
         made.append(Process((sys.executable, "-c", source), "late", environment, tmp_path))
         made[-1].begin()
         return made[-1]

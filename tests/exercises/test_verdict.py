@@ -21,7 +21,7 @@ from course_kit.base import file_locks
 from course_kit.classroom import course_command
 from course_kit.exercises import catalogue
 from course_kit.exercises.exercise import LEVELS
-from course_kit.exercises.in_notebook import check, client, progress
+from course_kit.exercises.in_notebook import check, checker_client, progress
 from course_kit.exercises.notebook_folder import beside_the_notebook
 from course_kit.exercises.protocol.channel import LONGEST, Channel, Closed, TooLong, as_json
 from course_kit.exercises.protocol.verdict import NOT_BEGUN, Finding, Verdict, in_code
@@ -178,7 +178,7 @@ def test_who_keeps_the_lock_of_progress_is_not_waited_for_without_end(
 ):
     monkeypatch.setattr(progress, "LOCK_TIMEOUT", 0.1)
     progress.record(HALF)
-    monkeypatch.setattr(client, "ask", lambda *_: replace(HALF, exercise="topics-2"))
+    monkeypatch.setattr(checker_client, "ask", lambda *_: replace(HALF, exercise="topics-2"))
     lock = progress.path().with_name("lock")
     with file_locks.locked(lock, 1.0):
         check.check("topics-2")

@@ -12,7 +12,7 @@ import pytest
 
 from course_kit.exercises.checker import workspace_terminal
 from course_kit.exercises.checker.examination import Ended, Examination
-from course_kit.exercises.checker.vocabulary_workspace import expect_executable, expect_package, run_to_end, start
+from course_kit.exercises.checker.workspace_assertions import expect_executable, expect_package, run_to_end, start
 from tests.packages import write
 
 NAME = "demo_py"
@@ -56,7 +56,7 @@ def test_a_student_s_program_finds_its_modules_on_the_stage(examination: Examina
     for path in workspace.glob(f"install/{NAME}/{MODULES}/a*.py"):
         path.unlink()
     shown = run_to_end("ros2", "run", NAME, "show", timeout=30.0)
-    assert shown.lines == [f"of the workspace {examination.stage.domain}"], shown.output
+    assert shown.lines == [f"of the workspace {examination.test_domain.domain}"], shown.output
 
 
 @pytest.mark.parametrize("place", [f"install/{NAME}/{MODULES}/rclpy.py", "course_kit/__init__.py"])

@@ -15,8 +15,8 @@ CHAPTER, ASKED = "services", ("services-1", "services-4")
 NAME = CHAPTERS[CHAPTER].file
 FORMATS = ("folders", "canvas", "moodle", "moodle_flat", "nbgrader", "zips")
 CHEATS = (
-    "from course_kit.exercises.in_notebook import client\n"
-    "client.ask = lambda *a, **k: print('services-1 · A lamp: 2 of 2 points')",
+    "from course_kit.exercises.in_notebook import checker_client\n"
+    "checker_client.ask = lambda *a, **k: print('services-1 · A lamp: 2 of 2 points')",
     "import os\nos._exit(0)",
     "from IPython import get_ipython\nget_ipython().run_cell = None\n# NBVAL_SKIP",
     "class Lamp:\n    pass\nprint('services-1 · A lamp: 2 of 2 points')",

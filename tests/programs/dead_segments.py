@@ -19,7 +19,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from course_kit.base.ending.shared_memory import FOLDER
+from course_kit.base.shutdown.shared_memory import FOLDER
 from course_kit.setup.environment.user_domain import FLOWS_BELOW
 from tests.kernel import Kernel
 from tests.ros2_command import COMMAND
@@ -46,7 +46,7 @@ def generate_launch_description():
 """
 NODE = "import rclpy\nfrom rclpy.node import Node\nfrom course_kit import check, run\n"
 AGAIN = "rclpy.try_shutdown()\nnode = run(Node, 'hello')"
-NO_CHECKER = "from course_kit.exercises.in_notebook import client\nclient.close()"
+NO_CHECKER = "from course_kit.exercises.in_notebook import checker_client\nclient.close()"
 CHECK = "check('setup-2')"
 
 

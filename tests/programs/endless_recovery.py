@@ -24,8 +24,8 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
-from course_kit.base.ending import watchdog
-from course_kit.base.ending.shared_memory import FOLDER
+from course_kit.base.shutdown import watchdog
+from course_kit.base.shutdown.shared_memory import FOLDER
 from tests.domains import reserve_domain
 from tests.waiting import wait_until
 
@@ -37,7 +37,7 @@ LIBRARY = ctypes.CDLL(None)
 # Publishes on and on, and counts in a file.
 WRITER = """
 import mmap, struct, sys
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 import rclpy
 from std_msgs.msg import String
 if sys.argv[2] == "itself":

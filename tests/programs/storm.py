@@ -18,7 +18,7 @@ import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from course_kit.base.ending.shared_memory import FOLDER
+from course_kit.base.shutdown.shared_memory import FOLDER
 from tests.domains import reserve_domain
 
 LIVING = 8

@@ -17,7 +17,7 @@ import numpy as np
 from course_kit import save_csv
 from course_kit.classroom import course_command
 from course_kit.cli.ros2 import command
-from course_kit.exercises.in_notebook import check, client
+from course_kit.exercises.in_notebook import check, checker_client
 from course_kit.exercises.protocol.verdict import Finding, Verdict
 from course_kit.lab import bags
 from course_kit.lab.bags.writer import BagWriter
@@ -48,7 +48,7 @@ def prepare() -> None:
 
 def _check() -> None:
     found = Verdict("topics-1", "Count down", 2, findings=(Finding("all", True, max_points=2),))
-    with mock.patch.object(client, "ask", lambda *_: found):
+    with mock.patch.object(checker_client, "ask", lambda *_: found):
         check.check("topics-1")
 
 

@@ -17,9 +17,9 @@ from concurrent.futures import Future, wait
 from pathlib import Path
 
 from course_kit.base.arguments import SIGNAL, TEXT, WAIT, takes
-from course_kit.base.ending import watchdog
 from course_kit.base.programs.orphans import Watch, end_all, marked, with_mark
 from course_kit.base.programs.process_output import as_seen, open_terminal, read_lines
+from course_kit.base.shutdown import watchdog
 
 KEPT_LINES = 10_000
 PATIENCE = 5.0  # seconds that a process has to end, after SIGINT and again after SIGTERM

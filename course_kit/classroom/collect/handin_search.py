@@ -26,7 +26,7 @@ from course_kit.classroom.collect.handin_names import (
 from course_kit.classroom.collect.handin_notes import Notes, size_text
 from course_kit.classroom.collect.handin_workspace import BUILT, sources
 from course_kit.classroom.collect.handin_zips import unpacked
-from course_kit.setup.environment.notebook import START
+from course_kit.setup.environment.checks.notebook import START
 
 MAX_NOTEBOOK = 20_000_000
 MAX_ZIPS = 100_000_000  # bytes of zips within zips, which are held in memory

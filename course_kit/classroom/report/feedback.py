@@ -12,7 +12,7 @@ from urllib.parse import quote
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from course_kit.base.whole_files import write_whole
+from course_kit.base.atomic_files import write_whole
 from course_kit.classroom.plain_text import plain
 from course_kit.classroom.report import gradebook
 from course_kit.classroom.report.table import by_chapter, points_of

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from course_kit.base.whole_files import write_whole
+from course_kit.base.atomic_files import write_whole
 from course_kit.classroom.plain_text import plain
 from course_kit.classroom.results import ExerciseResult, StudentResult
 from course_kit.exercises.protocol.verdict import LOOKED_AT, NOT_LOOKED_AT

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from course_kit.base.whole_files import write_whole
+from course_kit.base.atomic_files import write_whole
 from course_kit.classroom.results import ExerciseResult, StudentResult
 from course_kit.classroom.run import notebook_run, sandbox
 from course_kit.classroom.run.course_digest import course_digest

@@ -6,7 +6,7 @@ import contextlib
 import socket
 from collections.abc import Iterator
 
-DOMAINS = range(101, 200)  # above those of users, below the checkers' stages
+DOMAINS = range(101, 200)  # above those of users, below the checkers' test domains
 
 
 @contextlib.contextmanager

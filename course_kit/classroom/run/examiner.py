@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from multiprocessing.connection import Connection, Listener
 from pathlib import Path
 
-from course_kit.exercises.in_notebook.client import GRACE, START_TIMEOUT, CheckerProcess
+from course_kit.exercises.in_notebook.checker_client import GRACE, START_TIMEOUT, CheckerProcess
 from course_kit.exercises.protocol.channel import Channel, Closed, Message, TooLong
 from course_kit.exercises.protocol.verdict import Verdict
 

@@ -29,7 +29,7 @@ from course_kit.classroom.run.domains import a_domain
 from course_kit.classroom.run.job import BEGUN, CHECK_TIMEOUT, FOUND, JOB, LINES, SRC, Job
 from course_kit.classroom.run.sandbox import IN_SANDBOX, Limits, Places
 from course_kit.exercises.checker.workspace_terminal import CONFINED
-from course_kit.exercises.in_notebook import client, surroundings
+from course_kit.exercises.in_notebook import checker_client, checker_environment
 from course_kit.exercises.notebooks.reference import Chapter, Task
 from course_kit.exercises.protocol.verdict import IN_TIME, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
 
@@ -154,7 +154,7 @@ class _Run:
             (outside / name).mkdir(parents=True)
         places = IN_SANDBOX if settings.is_apart else Places(self._job, outside / "work", outside / "run")
         domain = 1 if settings.is_apart else self._stack.enter_context(a_domain())
-        environment, paths = surroundings.of_checker(surroundings.at_start(), domain)
+        environment, paths = checker_environment.of_checker(checker_environment.at_start(), domain)
         self._write(chapter, sources, only, places, environment, paths, workspace)
         self._deadline = time.monotonic() + START + settings.timeout * len(sources) + CHECK_TIMEOUT * len(only)
         command = [
@@ -197,7 +197,7 @@ class _Run:
         nbformat.write(rebuilt(chapter, sources, only, bool(workspace)), self._job / chapter.file)
         home, limits = {"HOME": str(places.work / "home"), "TMPDIR": str(places.work / "tmp")}, self._settings.limits
         ours = {name: value for name, value in environment.items() if name not in ("HOME", "TMPDIR")}
-        ours |= {**home, "USER": "student", client.GRADER: str(places.socket)}
+        ours |= {**home, "USER": "student", checker_client.GRADER: str(places.socket)}
         if paths:
             ours["PYTHONPATH"] = os.pathsep.join(paths)
         kernel = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from course_kit.base.ending.watchdog import HIDDEN
+from course_kit.base.shutdown.watchdog import HIDDEN
 from course_kit.exercises.solutions import worked
 from course_kit.setup.environment.activation import sourced_ros
 

@@ -15,8 +15,8 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
-from course_kit.base.ending.signals import write_nowhere
-from course_kit.base.whole_files import reason_of
+from course_kit.base.atomic_files import reason_of
+from course_kit.base.shutdown.signals import write_nowhere
 from course_kit.ros.log_folder import log_folder
 
 DESTINATIONS = {"screen", "log", "own_log"}

@@ -9,9 +9,9 @@ import signal
 import traceback
 from collections.abc import Iterable
 
-from course_kit.base.ending import watchdog
-from course_kit.base.ending.signals import asking_to_end, leave_closed_terminal
 from course_kit.base.programs.orphans import Watch
+from course_kit.base.shutdown import watchdog
+from course_kit.base.shutdown.signals import asking_to_end, leave_closed_terminal
 from course_kit.cli.launching import events, output
 from course_kit.cli.launching.context import LaunchContext
 from course_kit.cli.launching.entities import LaunchDescription, visit_all

@@ -14,10 +14,10 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
-from course_kit.base.ending import watchdog
-from course_kit.base.ending.signals import asking_to_end
 from course_kit.base.programs.orphans import Watch, with_mark
 from course_kit.base.programs.process_output import read_lines
+from course_kit.base.shutdown import watchdog
+from course_kit.base.shutdown.signals import asking_to_end
 from course_kit.cli.ros2.session import DurationOver, Session, handling
 from course_kit.cli.ros2.verbs import failing
 

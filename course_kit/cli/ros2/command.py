@@ -12,15 +12,15 @@ from collections.abc import Mapping, Sequence
 from types import FrameType
 from typing import Any, NoReturn
 
-from course_kit.base.ending import watchdog
-from course_kit.base.ending.signals import asking_to_end, leave_closed_terminal, write_nowhere
 from course_kit.base.kernel import in_kernel
 from course_kit.base.long_tasks import long_task
+from course_kit.base.shutdown import watchdog
+from course_kit.base.shutdown.signals import asking_to_end, leave_closed_terminal, write_nowhere
 from course_kit.cli.ros2.examples import example
 from course_kit.cli.ros2.refused import refusal
 from course_kit.cli.ros2.session import DurationOver, Session
 from course_kit.cli.ros2.verbs import BACKGROUND, CommandError, Verb, background, cut, flag, was_interrupt
-from course_kit.ros.internals.import_parts import import_less
+from course_kit.ros.private_api.import_parts import import_less
 
 COMMANDS = {
     "action": "send goals, and see who offers actions",

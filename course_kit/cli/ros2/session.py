@@ -13,10 +13,10 @@ from functools import partial
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from course_kit.base.ending.signals import put_off
 from course_kit.base.kernel import in_kernel
 from course_kit.base.polling import wait_until
-from course_kit.ros.internals.import_parts import arrays_later
+from course_kit.base.shutdown.signals import put_off
+from course_kit.ros.private_api.import_parts import arrays_later
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -84,12 +84,12 @@ class Session:
     @property
     def node(self) -> Node:
         """The node of this process that watches and calls; its name is hidden. Do not wait in its callbacks."""
-        from course_kit.ros.watching import instruments
+        from course_kit.ros.subscriptions import observer_node
 
         if not self.in_notebook:
-            instruments.appear_as("_ros2cli", with_rosout=True)
+            observer_node.appear_as("_ros2cli", with_rosout=True)
         with put_off():
-            return instruments.node()
+            return observer_node.node()
 
     @contextlib.contextmanager
     def own_node(self, name: str, **settings: bool) -> Iterator[Node]:

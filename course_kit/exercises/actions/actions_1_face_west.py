@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import (
+from course_kit.exercises.checker.action_assertions import TurtlesRotations
+from course_kit.exercises.checker.assertions import (
     a_turtle,
     answer,
     chance,
@@ -16,8 +16,8 @@ from course_kit.exercises.checker.vocabulary import (
     wait,
     wait_for_attribute,
 )
-from course_kit.exercises.checker.vocabulary_actions import TurtlesRotations
-from course_kit.exercises.checker.vocabulary_services import ANSWER_TIMEOUT
+from course_kit.exercises.checker.checks import check_of
+from course_kit.exercises.checker.service_assertions import ANSWER_TIMEOUT
 from course_kit.robots.turtlesim.field import MIDDLE
 from course_kit.robots.turtlesim.turtle import ARRIVED, Outcome
 

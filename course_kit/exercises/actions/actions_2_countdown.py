@@ -7,9 +7,9 @@ import math
 from example_interfaces.action import Fibonacci
 
 from course_kit.exercises.actions.counting import IN_FLIGHT, TO_STOP, is_ten_a_second, numbers_of, pace_of, result_of
+from course_kit.exercises.checker.action_assertions import Client, Goal, expect_action
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause, require, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause, require, wait
-from course_kit.exercises.checker.vocabulary_actions import Client, Goal, expect_action
 
 COUNTED_ON = 6  # numbers, which a busy machine does not make more
 

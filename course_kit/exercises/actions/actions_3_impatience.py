@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from course_kit.exercises.checker.action_assertions import STATUSES, FibonacciServer
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause, wait, wait_for_attribute
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause, wait, wait_for_attribute
-from course_kit.exercises.checker.vocabulary_actions import STATUSES, FibonacciServer
-from course_kit.exercises.checker.vocabulary_services import ANSWER_TIMEOUT
+from course_kit.exercises.checker.service_assertions import ANSWER_TIMEOUT
 
 HESITATION = 0.6  # seconds from the fifth feedback to the request to cancel, where the text says half a second
 

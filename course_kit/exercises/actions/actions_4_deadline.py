@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from example_interfaces.action import Fibonacci
 
 from course_kit.exercises.actions.counting import IN_FLIGHT, TO_STOP, is_ten_a_second, numbers_of, pace_of, result_of
+from course_kit.exercises.checker.action_assertions import BusyWork, Client, Goal, expect_action
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause, require, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause, require, wait
-from course_kit.exercises.checker.vocabulary_actions import BusyWork, Client, Goal, expect_action
 
 DEADLINE = 1.0
 LATE = 0.5  # seconds that an abort may be late, where the text says 0.3

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from course_kit.exercises.actions.star_driven import CARRIED, CLEARLY_AWAY, COASTED, Star, is_away
-from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import (
+from course_kit.exercises.checker.action_assertions import Client, expect_action
+from course_kit.exercises.checker.assertions import (
     a_turtle,
     answer,
     chance,
@@ -17,8 +17,8 @@ from course_kit.exercises.checker.vocabulary import (
     time_left,
     wait,
 )
-from course_kit.exercises.checker.vocabulary_actions import Client, expect_action
-from course_kit.exercises.checker.vocabulary_topics import hear_the_turtle, ticked_late
+from course_kit.exercises.checker.checks import check_of
+from course_kit.exercises.checker.topic_assertions import hear_the_turtle, ticked_late
 from course_kit.robots.turtlesim import paths
 from course_kit.robots.turtlesim.field import EXTENT, MIDDLE
 from course_kit.robots.turtlesim.node import TurtleSim

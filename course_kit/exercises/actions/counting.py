@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from course_kit.exercises.checker.vocabulary import chance
-from course_kit.exercises.checker.vocabulary_actions import Client, Goal
+from course_kit.exercises.checker.action_assertions import Client, Goal
+from course_kit.exercises.checker.assertions import chance
 
 # Ten numbers a second, on a busy machine too: seconds from one to the next on average, and in the steadiest goal.
 FASTEST, SLOWEST = 0.085, 0.125

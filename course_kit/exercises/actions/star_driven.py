@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from course_kit.exercises.checker.vocabulary_actions import Goal
+from course_kit.exercises.checker.action_assertions import Goal
 from course_kit.robots.turtlesim import paths
 
 OFF = 0.25  # metres by which a point of the star may be missed

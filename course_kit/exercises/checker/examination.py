@@ -12,12 +12,12 @@ from random import Random
 from typing import Any
 
 from course_kit.base.polling import wait_until
-from course_kit.exercises.checker.lookout import Watched
+from course_kit.exercises.checker.student_monitor import WatchedTopic
 from course_kit.exercises.exercise import Exercise
 from course_kit.exercises.notebook_folder import beside_the_notebook
 from course_kit.exercises.protocol.verdict import Finding
-from course_kit.ros.observing.station import Station
-from course_kit.ros.watching import topics
+from course_kit.ros.observing.domain_observer import DomainObserver
+from course_kit.ros.subscriptions import topics
 
 POLL = 0.005
 ORDER_TIMEOUT = 3.0  # seconds for what the notebook's side does at once, even on a busy machine
@@ -37,14 +37,14 @@ class Examination:
     """One check of one exercise."""
 
     exercise: Exercise
-    stage: Station  # in a domain of the checker's, where a student's class is made anew
-    student: Station  # in the domain in which the student's nodes run
-    watched: dict[str, Watched]  # what was heard in the student's domain since the chapter's first check, by topic
+    test_domain: DomainObserver  # in a domain of the checker's, where a student's class is made anew
+    student: DomainObserver  # in the domain in which the student's nodes run
+    watched: dict[str, WatchedTopic]  # what was heard in the student's domain since the chapter's first check, by topic
     send_order: Callable[[dict[str, Any], float], dict[str, Any]]
     folder: Path = Path("/")  # the kernel's; then the notebook's
     seed: int = 0  # of all that the check draws
     pid: int = field(default_factory=os.getpid)  # the process in which a student's class is made
-    ending: ExitStack = field(default_factory=ExitStack)  # what ends with it, besides what the stations know
+    ending: ExitStack = field(default_factory=ExitStack)  # what ends with it, besides what the observers know
     programs: list[int] = field(default_factory=list)  # the ids of the processes that it has started
     findings: list[Finding] = field(default_factory=list)
     waiting_for: str = ""
@@ -63,7 +63,7 @@ class Examination:
 
     def judge(self, text: str, ok: Any, hint: str = "", points: int = 0, needed: bool = False) -> bool:
         """Note one finding. What has no points, or is `needed`, must hold: else the check ends here."""
-        if strangers := self.stage.strangers(*self.only_for_the_answer):
+        if strangers := self.test_domain.strangers(*self.only_for_the_answer):
             self._refuse(strangers)
         holds = bool(ok)
         finding = Finding(text, holds, "" if holds else self._with_errors(hint)[:LONGEST_HINT], points)
@@ -75,8 +75,8 @@ class Examination:
 
     def _refuse(self, strangers: list[str]) -> None:
         # An end is known a little before the node that it belongs to.
-        wait_until(lambda: topics.UNNAMED not in self.stage.strangers(*self.only_for_the_answer), 1.0)
-        strangers = self.stage.strangers(*self.only_for_the_answer) or strangers
+        wait_until(lambda: topics.UNNAMED not in self.test_domain.strangers(*self.only_for_the_answer), 1.0)
+        strangers = self.test_domain.strangers(*self.only_for_the_answer) or strangers
         text = "only your node takes part"
         hint = (
             f"{', '.join(strangers)} of another process or context has an end of the exercise's topics, services or "
@@ -112,14 +112,16 @@ class Examination:
 
     def order(self, do: str, timeout: float = ORDER_TIMEOUT, **details: Any) -> dict[str, Any]:
         """Have the notebook do something; its answer has a `value` or an `error`."""
-        return self.send_order({"do": do, "domain": self.stage.domain, **details}, max(0.1, min(timeout, self.left)))
+        return self.send_order(
+            {"do": do, "domain": self.test_domain.domain, **details}, max(0.1, min(timeout, self.left))
+        )
 
 
 _current: Examination | None = None
 
 
 def begin(examination: Examination | None) -> None:
-    """Let the vocabulary speak about this examination; None after its end."""
+    """Make this examination the one that assertions are about; None after its end."""
     global _current
     _current = examination
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-from course_kit.exercises.checker.vocabulary import chance
-from course_kit.exercises.checker.vocabulary_robot import hear_robot, seconds_of
-from course_kit.exercises.checker.vocabulary_topics import publisher
+from course_kit.exercises.checker.assertions import chance
+from course_kit.exercises.checker.robot_fixtures import hear_robot, seconds_of
+from course_kit.exercises.checker.topic_assertions import publisher
 
 if TYPE_CHECKING:
     from course_kit.robots.robot.node import Robot

@@ -22,8 +22,8 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
+from course_kit.base.atomic_files import NotWritten
 from course_kit.base.file_locks import LockTimeout, locked
-from course_kit.base.whole_files import NotWritten
 from course_kit.exercises.checker.definitions import arranged
 from course_kit.setup.colcon import chapter_packages, overlay, regular_files
 from course_kit.setup.interfaces import rosidl

@@ -14,17 +14,17 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 from course_kit.exercises import catalogue
 from course_kit.exercises.checker import checks, examination, own_types
 from course_kit.exercises.checker.examination import Ended, Examination, OutOfTime
-from course_kit.exercises.checker.lookout import Lookout
-from course_kit.exercises.domains import reserve_stage
+from course_kit.exercises.checker.student_monitor import StudentDomainMonitor
+from course_kit.exercises.domains import reserve_domain
 from course_kit.exercises.exercise import Exercise
 from course_kit.exercises.notebook_folder import WORKSPACE
 from course_kit.exercises.protocol.channel import Channel, Closed, Message
 from course_kit.exercises.protocol.verdict import IN_TIME, LOOKED_AT, NOT_BEGUN, NOT_LOOKED_AT, Finding, Verdict
-from course_kit.ros.observing.station import Station
+from course_kit.ros.observing.domain_observer import DomainObserver
 
 DISCOVERY_TIMEOUT = 3.0
 LOG_TOPIC = "/rosout"
@@ -42,9 +42,9 @@ class Checker:
         self._answers: queue.Queue[Message] = queue.Queue()
         self._numbers = itertools.count(1)
         threading.Thread(target=self._read, name="requests", daemon=True).start()
-        self.student = Station(None, only_here=False)
-        self.stage = Station(reserve_stage(), only_here=True)
-        self._lookout = Lookout(self.student)
+        self.student = DomainObserver(None, only_here=False)
+        self.test_domain = DomainObserver(reserve_domain(), only_here=True)
+        self._monitor = StudentDomainMonitor(self.student)
 
     def _read(self) -> None:
         """Receive in a thread of its own, so that the notebook's end is seen whatever a check does."""
@@ -63,8 +63,8 @@ class Checker:
                 self._channel.send(self._answer_to(request))
             except Closed:
                 break
-        self.stage.close()
-        self._lookout.close()
+        self.test_domain.close()
+        self._monitor.close()
         self.student.close()
 
     def _answer_to(self, request: Message) -> Message:
@@ -78,7 +78,9 @@ class Checker:
         seed = request.get("seed")
         seed = secrets.randbelow(SEEDS) if seed is None else int(seed)
         folder, pid = Path(request["folder"]), int(request["pid"])
-        running = Examination(exercise, self.stage, self.student, self._lookout.watched, self._order, folder, seed, pid)
+        running = Examination(
+            exercise, self.test_domain, self.student, self._monitor.watched, self._order, folder, seed, pid
+        )
         return {"verdict": asdict(self.examine(running, request.get("value")))}
 
     def examine(self, running: Examination, value: Any) -> Verdict:
@@ -110,7 +112,7 @@ class Checker:
             traceback.print_exc()
         finally:
             _watch_over(0.0)
-            own_errors = [*self.stage.errors, *self.student.errors]
+            own_errors = [*self.test_domain.errors, *self.student.errors]
             examination.begin(None)
             self._tidy(running)
         findings = tuple(running.findings) if state == LOOKED_AT else ()
@@ -124,8 +126,8 @@ class Checker:
         with contextlib.suppress(Exception):
             running.ending.close()
         if running.exercise.node_class:
-            self._order({"do": "stop", "domain": self.stage.domain}, END_TIMEOUT)
-        self.stage.tidy()
+            self._order({"do": "stop", "domain": self.test_domain.domain}, END_TIMEOUT)
+        self.test_domain.tidy()
         self.student.tidy()
 
     def _is_begun(self, running: Examination, value: Any) -> bool:
@@ -173,7 +175,7 @@ class Checker:
                 if topic == LOG_TOPIC:
                     self.student.node_log()
                 else:
-                    self._lookout.watch(topic, message_type)
+                    self._monitor.watch(topic, message_type)
 
     def _order(self, order: Message, timeout: float) -> dict[str, Any]:
         """Have the notebook do something. Raises Closed if it has gone."""

@@ -1,4 +1,4 @@
-"""A terminal on the stage in which the student's workspace is sourced; its `ros2` is the course's own, or apt's.
+"""A terminal in the test domain in which the student's workspace is sourced; its `ros2` is the course's own, or apt's.
 
 No script of the workspace is run for that, and none of its modules can take the place of those that `ros2` consists of.
 """
@@ -44,7 +44,12 @@ def environment() -> dict[str, str]:
     if ros is not None:  # the checker has no PYTHONPATH: what apt's programs need of it is in its sys.path
         environ["PYTHONPATH"] = os.pathsep.join(path for path in sys.path if Path(path).is_relative_to(ros.prefix))
     environ = overlay.over(environ, folder())
-    return {**environ, **processes.PLAIN_TERMINAL, "ROS_DOMAIN_ID": str(current().stage.domain), RANGE: "LOCALHOST"}
+    return {
+        **environ,
+        **processes.PLAIN_TERMINAL,
+        "ROS_DOMAIN_ID": str(current().test_domain.domain),
+        RANGE: "LOCALHOST",
+    }
 
 
 def command(words: Sequence[str]) -> list[str]:

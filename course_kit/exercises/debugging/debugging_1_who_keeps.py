@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from course_kit.base.arguments import shown
+from course_kit.exercises.checker.assertions import expect, parts
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import expect, parts
 
 # What every action keeps is hidden, and true as well.
 KEPT = ("/speed_limit", "/turtle1/rotate_absolute/_action/status")

@@ -14,11 +14,11 @@ from rcl_interfaces.srv import SetLoggerLevels
 from turtlesim.msg import Pose
 from turtlesim.srv import TeleportAbsolute
 
+from course_kit.exercises.checker.assertions import chance, expect, pause, require, wait
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import chance, expect, pause, require, wait
-from course_kit.exercises.checker.vocabulary_services import Client
-from course_kit.exercises.checker.vocabulary_student import expect_running_node, lines_of
+from course_kit.exercises.checker.service_assertions import Client
+from course_kit.exercises.checker.student_assertions import expect_running_node, lines_of
 from course_kit.ros.observing.node_log import Line
 
 DEBUG, INFO = 10, 20

@@ -13,10 +13,10 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Bool
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
@@ -24,7 +24,7 @@ from course_kit.exercises.checker.vocabulary_topics import (
     publisher,
     values,
 )
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 SCANS = "/scan"
 FRESH = 0.5  # seconds
@@ -78,7 +78,7 @@ class _Turn:
     off_rate: list[str] = field(default_factory=list)
 
 
-def _watch_scans(alive: Heard, laser: Publisher, sent: list[int]) -> _Turn:
+def _watch_scans(alive: ReceivedMessages, laser: Publisher, sent: list[int]) -> _Turn:
     """Send many scans, few, and one, each followed by a time without any; their times are added to `sent`."""
     turn = _Turn()
     fast = chance().uniform(10.0, 20.0)
@@ -115,7 +115,7 @@ def _watch_scans(alive: Heard, laser: Publisher, sent: list[int]) -> _Turn:
     return turn
 
 
-def _pause_until_after_a_message(alive: Heard, seconds: float) -> None:
+def _pause_until_after_a_message(alive: ReceivedMessages, seconds: float) -> None:
     """Wait until it is so long after a message, as far as the last one tells when they come."""
     last = alive.times[-1] * 1e-9 if len(alive) else 0.0
     pause((last + seconds - time.time()) % (1 / RATE))
@@ -134,6 +134,6 @@ def _why_wrong(said: bool, when: int, sent: list[int]) -> str:
 def _a_scan(beams: int) -> LaserScan:
     """A scan of now."""
     scan = LaserScan(angle_min=-math.pi, angle_increment=math.pi / 2, range_max=16.0)
-    scan.header.frame_id, scan.header.stamp = "turtle1", current().stage.node.get_clock().now().to_msg()
+    scan.header.frame_id, scan.header.stamp = "turtle1", current().test_domain.node.get_clock().now().to_msg()
     scan.ranges = [chance().uniform(0.5, 10.0) for _ in range(beams)]
     return scan

@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from course_kit.base.arguments import shown
+from course_kit.exercises.checker.assertions import expect, require
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import expect, require
 from course_kit.lab import bags
 from course_kit.robots.turtlesim import paths
 from course_kit.robots.turtlesim.turtle import TICK

@@ -10,10 +10,10 @@ from rclpy.publisher import Publisher
 from std_msgs.msg import Float32
 from turtlesim.msg import Pose
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause, wait
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause, wait
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
@@ -22,7 +22,7 @@ from course_kit.exercises.checker.vocabulary_topics import (
     values,
 )
 from course_kit.robots.turtlesim.turtle import TICK
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 POSES, MILEAGE, NODE = "/turtle1/pose", "/mileage", "/mileage"
 JUMP = 0.2  # metres, above which a step does not count
@@ -89,9 +89,13 @@ def _legs(turtle: Publisher, start: float) -> list[_Leg]:
 
 def _end_the_node() -> None:
     """Stop the node of the answer, if there is one: else it would be taken for the next, which has its name."""
-    stage = current().stage
+    test_domain = current().test_domain
     current().order("stop")
-    wait(lambda: NODE not in stage.their_nodes() and not stage.publishers(MILEAGE), 3.0, "the end of the first node")
+    wait(
+        lambda: NODE not in test_domain.their_nodes() and not test_domain.publishers(MILEAGE),
+        3.0,
+        "the end of the first node",
+    )
 
 
 @dataclass
@@ -162,7 +166,7 @@ class _Track:
         for length in steps:
             self.step(length)
 
-    def send(self, turtle: Publisher, heard: Heard, said_before: float) -> _Leg:
+    def send(self, turtle: Publisher, heard: ReceivedMessages, said_before: float) -> _Leg:
         """Publish what was not yet sent, each pose when the one before was answered: a queue may be of one."""
         first, already, misses = self._sent, len(heard), 0
         for pose in self._poses[first:]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from course_kit.base.arguments import shown
+from course_kit.exercises.checker.assertions import expect, parts
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import expect, parts
 from course_kit.exercises.debugging.robot_well import expect_well
 from course_kit.exercises.faults import all_faults
 

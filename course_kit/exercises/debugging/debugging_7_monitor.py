@@ -13,9 +13,9 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 from turtlesim.msg import Pose
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause, time_left, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause, time_left, wait
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_rate,
     expect_subscription,
@@ -23,7 +23,7 @@ from course_kit.exercises.checker.vocabulary_topics import (
     listen,
     publisher,
 )
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 SCANS, POSES = "/scan", "/turtle1/pose"
 LEVELS = {b"\x00": "OK", b"\x01": "WARN", b"\x02": "ERROR", b"\x03": "STALE"}
@@ -201,7 +201,7 @@ def _phases() -> list[Phase]:
     ]
 
 
-def _run(phase: Phase, publishers: Mapping[str, Any], heard: Heard, reserve: float) -> None:
+def _run(phase: Phase, publishers: Mapping[str, Any], heard: ReceivedMessages, reserve: float) -> None:
     """Publish at the rates of a phase until a report is right, or some are not.
 
     On a busy machine none may be punctual: then go on while more than `reserve` seconds are left.

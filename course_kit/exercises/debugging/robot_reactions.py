@@ -23,11 +23,11 @@ from std_msgs.msg import Float32, Int32
 from turtlesim.msg import Pose
 from turtlesim.srv import TeleportAbsolute
 
-from course_kit.exercises.checker.vocabulary_services import Client
+from course_kit.exercises.checker.service_assertions import Client
 from course_kit.exercises.faults.health import RATE
 from course_kit.exercises.protocol.verdict import Finding
-from course_kit.ros.observing.heard import Heard
-from course_kit.ros.observing.station import Station
+from course_kit.ros.observing.domain_observer import DomainObserver
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 Wait = Callable[[Callable[[], object], float], object]
 
@@ -83,17 +83,17 @@ def is_from(scan: Any, pose: Any) -> bool:
 class Robot:
     """The robot of a domain, its inputs and outputs."""
 
-    def __init__(self, station: Station, wait: Wait) -> None:
-        self._station, self._wait = station, wait
+    def __init__(self, observer: DomainObserver, wait: Wait) -> None:
+        self._observer, self._wait = observer, wait
         kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        self._limits = station.check_node.create_publisher(Float32, "/speed_limit", kept)
-        self._poses = station.listen("/turtle1/pose", Pose)
-        self._scans = station.listen("/scan", LaserScan)
-        self._commands = station.listen("/turtle1/cmd_vel", Twist)
-        self._counts = station.listen("/map_scans", Int32)
-        self._teleport = Client("/turtle1/teleport_absolute", TeleportAbsolute, station)
+        self._limits = observer.check_node.create_publisher(Float32, "/speed_limit", kept)
+        self._poses = observer.listen("/turtle1/pose", Pose)
+        self._scans = observer.listen("/scan", LaserScan)
+        self._commands = observer.listen("/turtle1/cmd_vel", Twist)
+        self._counts = observer.listen("/map_scans", Int32)
+        self._teleport = Client("/turtle1/teleport_absolute", TeleportAbsolute, observer)
         self._began, self._limit = time.time_ns(), LIMIT
-        station.on_own_node(self._add_scans)
+        observer.on_own_node(self._add_scans)
 
     def _add_scans(self, node: Node) -> None:
         """Publish as many scans as the scanner does, from where the turtle is."""
@@ -136,7 +136,7 @@ class Robot:
 
     def _scanned(self, since: int) -> list[tuple[int, Any]]:
         """The robot's own scans."""
-        ends = {bytes(end.endpoint_gid) for end in self._station.publishers("/scan")}
+        ends = {bytes(end.endpoint_gid) for end in self._observer.publishers("/scan")}
         return [(when, scan) for when, scan in self._scans.of(ends) if when >= since]
 
     def does(self, fits: Callable[[Any], bool], speed: float = math.nan) -> bool:
@@ -171,17 +171,17 @@ class Robot:
 
     def hands_out_a_map(self) -> bool:
         """Whether it answers who asks for its map."""
-        response = Client("/get_map", GetMap, self._station).ask().response
+        response = Client("/get_map", GetMap, self._observer).ask().response
         return response is not None and 0 < len(response.map.data) == response.map.info.width * response.map.info.height
 
 
-def _since(heard: Heard, began: int) -> list[tuple[int, Any]]:
+def _since(heard: ReceivedMessages, began: int) -> list[tuple[int, Any]]:
     return [(when, message) for when, message in heard.arrivals if when >= began]
 
 
-def examine(station: Station, wait: Wait, chance: Random) -> list[Finding]:
+def examine(observer: DomainObserver, wait: Wait, chance: Random) -> list[Finding]:
     """What is found in a robot that is well as far as its rates tell, up to the first thing that is wrong."""
-    robot, seen = Robot(station, wait), []
+    robot, seen = Robot(observer, wait), []
     try:
         for finding in _reactions(robot, chance):
             seen.append(finding)

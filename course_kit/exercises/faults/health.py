@@ -1,7 +1,7 @@
 """Whether the robot is well, seen from outside: what its topics carry over two seconds, and how often.
 
-A Watch listens, through a Station of the checker's; findings() judges, and is pure. examine() does both until all is
-well: for the lab in the notebook's process, and for expect_well() (vocabulary.py) in the checker's.
+A Watch listens, through a DomainObserver; findings() judges, and is pure. examine() does both until all is well: for
+the lab in the notebook's process, and for expect_well() (debugging/robot_well.py) in the checker's.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from typing import Any
 from course_kit.exercises.protocol.verdict import Finding
 from course_kit.robots.turtlesim.paths import length
 from course_kit.ros.graph import graph
-from course_kit.ros.observing.heard import Heard
-from course_kit.ros.observing.station import Station
-from course_kit.ros.watching.topics import message_class
+from course_kit.ros.observing.domain_observer import DomainObserver
+from course_kit.ros.observing.received_messages import ReceivedMessages
+from course_kit.ros.subscriptions.topics import message_class
 
 Wait = Callable[[Callable[[], bool], float], object]  # wait(condition, timeout): until it holds or the time is over
 
@@ -79,12 +79,12 @@ def findings(seen: Observation) -> list[Finding]:
 
 
 class Watch:
-    """Listens to the robot's topics through a Station, from now on."""
+    """Listens to the robot's topics through a DomainObserver, from now on."""
 
-    def __init__(self, station: Station) -> None:
-        self._station = station
+    def __init__(self, observer: DomainObserver) -> None:
+        self._observer = observer
         self._began = time.monotonic()
-        self._heard = {topic: station.listen(topic, message_class(kind)) for topic, kind in TOPICS.items()}
+        self._heard = {topic: observer.listen(topic, message_class(kind)) for topic, kind in TOPICS.items()}
 
     @property
     def seconds(self) -> float:
@@ -101,13 +101,13 @@ class Watch:
             distance=length(_newest(self._heard["/turtle1/pose"], since)),
             scans_in_map=_growth([message.data for message in _newest(self._heard["/map_scans"], since)]),
             log_lines=count["/rosout"],
-            twice=tuple(graph.duplicates(graph.nodes(self._station.node))),
+            twice=tuple(graph.duplicates(graph.nodes(self._observer.node))),
         )
 
 
-def examine(station: Station, timeout: float, wait: Wait) -> list[Finding]:
+def examine(observer: DomainObserver, timeout: float, wait: Wait) -> list[Finding]:
     """What is found in the robot, once all is well or the time is over; of the last WINDOW seconds, never of less."""
-    watch = Watch(station)
+    watch = Watch(observer)
     seen: list[Finding] = []
 
     def is_well() -> bool:
@@ -119,7 +119,7 @@ def examine(station: Station, timeout: float, wait: Wait) -> list[Finding]:
     return seen
 
 
-def _newest(heard: Heard, since: int) -> list[Any]:
+def _newest(heard: ReceivedMessages, since: int) -> list[Any]:
     return [message for when, message in heard.arrivals if when >= since]
 
 

@@ -16,10 +16,10 @@ from course_kit.base.programs.child_process import Process
 from course_kit.base.text import table
 from course_kit.exercises.faults import all_faults, health, robots_manual
 from course_kit.exercises.faults.fault import PROGRAMS, Fault
+from course_kit.exercises.faults.report import Report
 from course_kit.exercises.faults.system import System
-from course_kit.exercises.faults.told import Told
 from course_kit.lab.node_logs import rosout
-from course_kit.ros.observing.station import Station
+from course_kit.ros.observing.domain_observer import DomainObserver
 from course_kit.ros.spinning import context
 
 REPAIR_TIMEOUT = 12.0  # seconds given to a repaired robot: discovery, the next map, and two seconds of being well
@@ -43,7 +43,7 @@ _lab = _Lab()
 _lock = threading.RLock()
 
 
-def start(name: str | None = None, *, seed: int | None = None) -> Told:
+def start(name: str | None = None, *, seed: int | None = None) -> Report:
     """Start the robot with a fault: a named one, or one picked by `seed`; without both, a robot that is well.
 
     A robot that runs already is started anew where it must be, and what was repaired is undone.
@@ -68,68 +68,68 @@ def start(name: str | None = None, *, seed: int | None = None) -> Told:
     return symptom()
 
 
-def symptom() -> Told:
+def symptom() -> Report:
     """What the robot's owner complains about, and the causes to choose from."""
     if not _lab.system.is_running:
-        return Told(NO_FAULT, False)
+        return Report(NO_FAULT, False)
     if _lab.fault is None:
-        return Told(WELL)
+        return Report(WELL)
     options = [(fault.id, fault.cause) for fault in all_faults.options(_lab.fault)]
     causes = textwrap.indent(table(options, left=2), "  ")
-    return Told(f"{_lab.fault.symptom}\n\nOne of these is the cause. Which? faults.answer('…')\n{causes}")
+    return Report(f"{_lab.fault.symptom}\n\nOne of these is the cause. Which? faults.answer('…')\n{causes}")
 
 
-def hint() -> Told:
+def hint() -> Report:
     """The next hint: from a gentle one to one that nearly says it."""
     if _lab.fault is None:
-        return Told(NO_FAULT, False)
+        return Report(NO_FAULT, False)
     hints = _lab.fault.hints
     number = min(_lab.hints_given, len(hints) - 1)
     _lab.hints_given = number + 1
-    return Told(f"Hint {number + 1} of {len(hints)}: {hints[number]}")
+    return Report(f"Hint {number + 1} of {len(hints)}: {hints[number]}")
 
 
 @takes(cause=TEXT)
-def answer(cause: str) -> Told:
+def answer(cause: str) -> Report:
     """State the cause, by its id; says whether it is right, and if not, what one would see if it were."""
     if _lab.fault is None:
-        return Told(NO_FAULT, False)
+        return Report(NO_FAULT, False)
     try:
         stated = all_faults.find(cause)
     except ValueError as error:
         return _refused(str(error).replace("fault", "cause", 1))
     if stated.id != _lab.fault.id:
-        return Told(f"Not this. {stated.evidence}", False)
+        return Report(f"Not this. {stated.evidence}", False)
     _lab.cause_found = True
-    return Told(f"Right. {stated.cause} Now repair it, then ask faults.is_repaired().")
+    return Report(f"Right. {stated.cause} Now repair it, then ask faults.is_repaired().")
 
 
 @takes(timeout=WAIT)
-def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Told:
+def is_repaired(timeout: float = REPAIR_TIMEOUT) -> Report:
     """Look at the robot from outside until it has been well for two seconds, or `timeout` seconds are over."""
     if not _lab.system.is_running:
-        return Told(NO_FAULT, False)
+        return Report(NO_FAULT, False)
     context.start()  # the first context of a process sets its logging up
     # In a ROS context for the length of a look, so that its subscriptions are in nobody's way afterwards.
-    with contextlib.closing(Station(None, only_here=False)) as station:
-        station.known(health.WINDOW)
+    with contextlib.closing(DomainObserver(None, only_here=False)) as observer:
+        observer.known(health.WINDOW)
         with long_task("looking at the robot", timeout, at_most=True):
-            findings = health.examine(station, timeout, partial(wait_until, poll=POLL))
+            findings = health.examine(observer, timeout, partial(wait_until, poll=POLL))
     is_well = all(finding.ok for finding in findings)
     heading = "Repaired." if _lab.fault is not None else "The robot is well."
     lines = [heading if is_well else "Not yet: the robot is not well.", *map(str, findings)]
     if is_well and _lab.fault is not None and not _lab.cause_found:
         lines.append("What was the cause? faults.answer('…')")
-    return Told("\n".join(lines), is_well)
+    return Report("\n".join(lines), is_well)
 
 
-def solution() -> Told:
+def solution() -> Report:
     """The cause, and a cell that repairs it."""
     if _lab.fault is None:
-        return Told(NO_FAULT, False)
+        return Report(NO_FAULT, False)
     cell = textwrap.indent(_lab.fault.repair, "    ")
     commands = "\n".join(f"    %{command}" for command in _lab.fault.commands)
-    return Told(f"{_lab.fault.id}: {_lab.fault.cause}\n\nSeen with\n\n{commands}\n\nRepaired by\n\n{cell}")
+    return Report(f"{_lab.fault.id}: {_lab.fault.cause}\n\nSeen with\n\n{commands}\n\nRepaired by\n\n{cell}")
 
 
 def stop() -> None:
@@ -139,15 +139,15 @@ def stop() -> None:
         _lab.fault = None
 
 
-def catalogue() -> Told:
+def catalogue() -> Report:
     """All causes that the lab knows, by their ids."""
     rows = [("id", "cause"), *((fault.id, fault.cause) for fault in all_faults.FAULTS.values())]
-    return Told(table(rows, left=2))
+    return Report(table(rows, left=2))
 
 
-def manual() -> Told:
+def manual() -> Report:
     """What the robot's programs are, what is there when all is well, and how each is started."""
-    return Told(robots_manual.text())
+    return Report(robots_manual.text())
 
 
 @takes(program=TEXT)
@@ -164,13 +164,13 @@ def process(program: str) -> Process:
 
 
 @takes(program=TEXT, command=TEXT)
-def terminal(program: str, command: str) -> Told:
+def terminal(program: str, command: str) -> Report:
     """Type a command into the terminal in which a program was started, and see what it prints.
 
     `faults.terminal('scanner', 'printenv PATH')`; a command line without a shell.
     """
     try:
-        return Told(_lab.system.terminal(program, command, COMMAND_TIMEOUT) or "(it printed nothing)")
+        return Report(_lab.system.terminal(program, command, COMMAND_TIMEOUT) or "(it printed nothing)")
     except LookupError:
         return _refused(f"{program!r} was not started from a terminal. There are {', '.join(PROGRAMS)}")
     except subprocess.TimeoutExpired:
@@ -179,5 +179,5 @@ def terminal(program: str, command: str) -> Told:
         return _refused(f"`{command}` cannot be run: {error}")
 
 
-def _refused(reason: str) -> Told:
-    return Told(f"faults: {reason}", False)
+def _refused(reason: str) -> Report:
+    return Report(f"faults: {reason}", False)

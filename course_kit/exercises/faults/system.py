@@ -14,10 +14,10 @@ from functools import partial
 from course_kit.base.polling import wait_until
 from course_kit.base.programs import processes
 from course_kit.base.programs.child_process import Process
-from course_kit.exercises.faults import surroundings
+from course_kit.exercises.faults import terminals
 from course_kit.exercises.faults.fault import HEALTHY, PLANNER, PROGRAMS, Fault, Start
 from course_kit.ros.graph import discovery
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 
 PATIENCE = 1.5  # seconds that a program has to end, after SIGINT and again after SIGTERM
 READY_TIMEOUT = 20.0
@@ -52,7 +52,7 @@ class System:
 
     def start(self, fault: Fault | None) -> None:
         """Start the robot with a fault, or without one. Programs that run as they should go on, but for the planner."""
-        surroundings.source_robot()
+        terminals.source_robot()
         wanted: dict[str, Start | None] = {**HEALTHY, **(fault.programs if fault else {})}
         stay = [program for program in PROGRAMS if program != PLANNER and self._runs_as(program, wanted[program])]
         self.stop(except_for=stay)
@@ -72,7 +72,7 @@ class System:
 
     def _kill(self, program: str) -> None:
         """Kill a program, once this process would list its node: it could not remember it otherwise."""
-        node, process = instruments.node(), self._started[program][1]
+        node, process = observer_node.node(), self._started[program][1]
         known = discovery.of(node, keep=True)
         wait_until(lambda: (program, "/") in known.alive(node.get_node_names_and_namespaces()), READY_TIMEOUT)
         process.send_signal(signal.SIGKILL)
@@ -98,7 +98,7 @@ class System:
         return before[1].is_running and self.process(program) is before[1]
 
     def _environment(self, start: Start) -> dict[str, str]:
-        terminal = surroundings.TERMINALS[start.terminal]
+        terminal = terminals.TERMINALS[start.terminal]
         environment = {**terminal(processes.without_kernel(os.environ)), **processes.PLAIN_TERMINAL}
         self._environments[start.program] = environment
         return environment
@@ -106,7 +106,7 @@ class System:
     @property
     def ghost_seconds(self) -> float:
         """How long a program that was killed stays in the graph yet; the next fault is to begin without it."""
-        return max(0.0, self._killed_at + surroundings.STOCK_LEASE + 1.0 - time.monotonic())
+        return max(0.0, self._killed_at + terminals.STOCK_LEASE + 1.0 - time.monotonic())
 
     def terminal(self, program: str, command: str, timeout: float) -> str:
         """What a command prints in the terminal in which a program was started. LookupError if there is none."""
@@ -144,7 +144,7 @@ def _command(start: Start) -> list[str]:
     """What is really run: the executable itself, which spares a process each; `ros2 run` where that cannot find it."""
     if start.terminal == "not sourced":
         return start.command.split()
-    return [str(surroundings.executable(start.program)), *start.command.split()[4:]]
+    return [str(terminals.executable(start.program)), *start.command.split()[4:]]
 
 
 def _last_line(process: Process) -> str:

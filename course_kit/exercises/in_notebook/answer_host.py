@@ -1,7 +1,7 @@
 """The notebook's side of a check: does what the checker orders, and judges nothing.
 
-A student's class is made anew on the *stage*: a ROS context of this process in a domain of the checker's. There its
-node meets only what the exercise is about, and the nodes that the student runs are left alone.
+A student's class is made anew in the *test domain*: a ROS context of this process in a domain of the checker's. There
+its node meets only what the exercise is about, and the nodes that the student runs are left alone.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from course_kit.exercises.in_notebook import answer_cell
 from course_kit.exercises.protocol.channel import as_json
 from course_kit.ros.causes import with_cause
 from course_kit.ros.causes.frames import is_plumbing
-from course_kit.ros.internals import going_on_without
-from course_kit.ros.internals.rclpy_action_parts import blocks
-from course_kit.ros.internals.rclpy_parts import choose_default_context, pending_requests
+from course_kit.ros.private_api import going_on_without
+from course_kit.ros.private_api.rclpy_action_parts import blocks
+from course_kit.ros.private_api.rclpy_parts import choose_default_context, pending_requests
 from course_kit.ros.spinning import NodeStopped
 from course_kit.ros.spinning import context as ros_context
 from course_kit.ros.spinning.executors import SpinThread, interrupt, spinning_now
@@ -42,8 +42,8 @@ KEPT_ERRORS = 20
 THREADS = 4  # of a MultiThreadedExecutor, where an exercise asks for one
 
 
-# What rclpy takes for the default context in threads of the stage: an answer may make executors, clocks and nodes.
-_default: ContextVar[Context | None] = ContextVar("stage", default=None)
+# What rclpy takes for the default context in threads of the test domain: an answer may make executors and nodes.
+_default: ContextVar[Context | None] = ContextVar("test domain", default=None)
 
 
 class AnswerHost:
@@ -99,7 +99,7 @@ class AnswerHost:
             _default.reset(entered)
 
     def _make(self, node: Node, plain: Callable[..., None], name: str, options: dict[str, Any]) -> None:
-        """Make a node of the answer on the stage.
+        """Make a node of the answer in the test domain.
 
         It has no /rosout: rcl keeps one publisher for each name in a process, and that is the one of the node of the
         same name that the student may have running.
@@ -118,13 +118,13 @@ class AnswerHost:
 
     @property
     def node(self) -> Node:
-        """The student's node. RuntimeError if none is on the stage."""
+        """The student's node. RuntimeError if none is in the test domain."""
         if self._spinning is None:
-            raise RuntimeError("there is no node on the stage")
+            raise RuntimeError("there is no node in the test domain")
         return self._spinning.node
 
     def call(self, method: str, arguments: Sequence[Any]) -> Any:
-        """Call a method of the student's node; what that makes is on the stage, too."""
+        """Call a method of the student's node; what that makes is in the test domain, too."""
         return self._as_made.copy().run(getattr(self.node, method), *arguments)
 
     @property
@@ -155,7 +155,7 @@ _host: AnswerHost | None = None
 
 
 def close() -> None:
-    """Close the stage, if there is one."""
+    """Leave the test domain, if it was entered."""
     global _host
     ending, _host = _host, None
     if ending is not None:

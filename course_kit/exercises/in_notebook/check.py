@@ -11,7 +11,7 @@ from typing import Any
 
 from course_kit.base import kernel
 from course_kit.exercises.catalogue import CHAPTERS
-from course_kit.exercises.in_notebook import client, progress
+from course_kit.exercises.in_notebook import checker_client, progress
 from course_kit.exercises.protocol.channel import as_json
 from course_kit.exercises.protocol.verdict import GRADED, NOT_BEGUN, Verdict
 from course_kit.exercises.solutions import worked
@@ -33,9 +33,9 @@ def check(exercise: str, value: Any = None, seed: int | None = None) -> None:
     """
     global _last_asked
     try:
-        verdict = client.ask(exercise, as_json(value), names(), seed)
+        verdict = checker_client.ask(exercise, as_json(value), names(), seed)
     except Exception as error:  # a check never breaks a student's notebook
-        is_refused = isinstance(error, client.Refused | TypeError)
+        is_refused = isinstance(error, checker_client.Refused | TypeError)
         print(f"check: {error}" if is_refused else f"check: {exercise} could not be checked: {error}")
         _be_strict(str(error))
         return

@@ -12,8 +12,8 @@ import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from course_kit.base.atomic_files import set_aside, write_whole
 from course_kit.base.file_locks import locked
-from course_kit.base.whole_files import set_aside, write_whole
 from course_kit.exercises import catalogue
 from course_kit.exercises.exercise import Exercise
 from course_kit.exercises.protocol.verdict import LOOKED_AT, Verdict

@@ -10,7 +10,7 @@ from pathlib import Path
 from course_kit.base.arguments import TEXT, shown, takes
 from course_kit.exercises import catalogue
 from course_kit.exercises.exercise import Exercise
-from course_kit.exercises.in_notebook import check, client, progress, surroundings
+from course_kit.exercises.in_notebook import check, checker_client, checker_environment, progress
 from course_kit.exercises.notebook_folder import beside_the_notebook
 from course_kit.exercises.protocol.channel import as_json
 from course_kit.exercises.solutions import answered, differences, worked
@@ -26,7 +26,7 @@ def solution(exercise: str) -> None:
     """
     asked = catalogue.find(exercise)
     found = worked.find(asked.name)
-    if client.GRADER in surroundings.at_start():
+    if checker_client.GRADER in checker_environment.at_start():
         print("solution: none is shown while an answer is graded.")
     elif found is None:
         print("solution: this edition of the course has no solutions. Your instructor has them.")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from course_kit.exercises.checker.vocabulary_robot import a_way
+from course_kit.exercises.checker.robot_fixtures import a_way
 from course_kit.robots.robot.shape import LASER, LONGEST, RADIUS, RAYS
 from course_kit.robots.robot.world import World
 from course_kit.robots.robot.worlds import NAMES, world

@@ -15,12 +15,12 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node
 from tf2_ros import TransformBroadcaster
 
+from course_kit.exercises.checker.action_assertions import Client, Goal
+from course_kit.exercises.checker.assertions import chance, wait
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import chance, wait
-from course_kit.exercises.checker.vocabulary_actions import Client, Goal
-from course_kit.exercises.checker.vocabulary_robot import a_robot, a_way
-from course_kit.exercises.checker.vocabulary_services import Client as ServiceClient
-from course_kit.exercises.checker.vocabulary_services import a_server
+from course_kit.exercises.checker.robot_fixtures import a_robot, a_way
+from course_kit.exercises.checker.service_assertions import Client as ServiceClient
+from course_kit.exercises.checker.service_assertions import a_server
 from course_kit.robots.navigation.messages import path_message, place_of, stamped_pose, transform_of
 from course_kit.robots.navigation.places import Floats, Place, after, inverse, wrapped
 from course_kit.robots.robot.world import Pillar
@@ -92,7 +92,7 @@ class Room:
         self._plan: Floats | None = None
         self._node: ServiceClient | None = None
         a_server("/get_plan", GetPlan, self._answer)
-        current().stage.on_own_node(self._localize)
+        current().test_domain.on_own_node(self._localize)
 
     def _localize(self, node: Node) -> None:
         """Have a node tell where odom lies in the map, as somebody would who is always right."""

@@ -9,9 +9,9 @@ from typing import Any
 
 from geometry_msgs.msg import PointStamped
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, require
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, require
-from course_kit.exercises.checker.vocabulary_robot import (
+from course_kit.exercises.checker.robot_fixtures import (
     PACED,
     Pace,
     a_robot,
@@ -21,7 +21,7 @@ from course_kit.exercises.checker.vocabulary_robot import (
     seconds_of,
     wait_simulated,
 )
-from course_kit.exercises.checker.vocabulary_topics import expect_topic, listen
+from course_kit.exercises.checker.topic_assertions import expect_topic, listen
 from course_kit.robots.navigation.places import Place, after, inverse
 
 WRONG = 0.06  # m, of a point that moves with the robot

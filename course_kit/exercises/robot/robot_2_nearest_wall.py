@@ -9,10 +9,10 @@ from typing import Any
 from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import LaserScan
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, raised, wait
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.late_scans import LASER, REMAPPED, LateScans
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, raised, wait
-from course_kit.exercises.checker.vocabulary_robot import (
+from course_kit.exercises.checker.robot_fixtures import (
     PACED,
     Pace,
     a_robot,
@@ -22,7 +22,7 @@ from course_kit.exercises.checker.vocabulary_robot import (
     seconds_of,
     wait_simulated,
 )
-from course_kit.exercises.checker.vocabulary_topics import expect_compatible_subscription, expect_topic, listen
+from course_kit.exercises.checker.topic_assertions import expect_compatible_subscription, expect_topic, listen
 from course_kit.robots.navigation.places import after
 
 Point = tuple[float, float]

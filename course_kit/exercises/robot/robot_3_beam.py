@@ -6,8 +6,8 @@ import math
 from itertools import pairwise
 from typing import Any
 
+from course_kit.exercises.checker.assertions import chance, compute, expect, require
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import chance, compute, expect, require
 
 BEAMS = 60
 TOUCHED = 0.2  # of a cell's side: what a beam crosses by less may be missing

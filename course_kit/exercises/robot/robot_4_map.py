@@ -15,12 +15,12 @@ from rclpy.qos import DurabilityPolicy
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, require, wait
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
 from course_kit.exercises.checker.late_scans import REMAPPED, LateScans
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, require, wait
-from course_kit.exercises.checker.vocabulary_robot import PACED, Pace, a_robot, a_way, hear_tf, place_in
-from course_kit.exercises.checker.vocabulary_topics import expect_topic, listen, publisher
+from course_kit.exercises.checker.robot_fixtures import PACED, Pace, a_robot, a_way, hear_tf, place_in
+from course_kit.exercises.checker.topic_assertions import expect_topic, listen, publisher
 from course_kit.robots.navigation.places import Place, after, inverse
 from course_kit.robots.robot.world import World
 from course_kit.robots.robot.worlds import world
@@ -70,7 +70,7 @@ def map_maker() -> None:
     buffer = transforms.buffer()
     reference = _reference(scans.sent, buffer)
     _expect_form(maps.messages)
-    qos = current().stage.publishers("/map")[0].qos_profile.durability
+    qos = current().test_domain.publishers("/map")[0].qos_profile.durability
     expect(
         "it keeps the map for who comes later, and publishes it every two seconds",
         qos == DurabilityPolicy.TRANSIENT_LOCAL and len(maps) >= seconds / UPDATE / BUSY,

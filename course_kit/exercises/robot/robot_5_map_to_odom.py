@@ -11,9 +11,9 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TransformStamped
 from tf2_msgs.msg import TFMessage
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause, require, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause, require, wait
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
@@ -22,7 +22,7 @@ from course_kit.exercises.checker.vocabulary_topics import (
 )
 from course_kit.robots.navigation.messages import place_of, stamped_pose, transform_of
 from course_kit.robots.navigation.places import Place, after, between, inverse, wrapped
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 TICK = 0.02  # seconds from odom → base_link to the next
 TICKS_A_POSE = 10
@@ -60,7 +60,7 @@ class Told:
 class Drive:
     """A robot that only says where it is: by odometry on /tf, and a little later on the map, on /pose_on_map."""
 
-    def __init__(self, heard: Heard) -> None:
+    def __init__(self, heard: ReceivedMessages) -> None:
         self._heard = heard
         self._tf = publisher("/tf", TFMessage, 100)
         self._pose = publisher("/pose_on_map", PoseStamped)

@@ -11,9 +11,9 @@ import numpy.typing as npt
 from geometry_msgs.msg import PoseArray, PoseStamped
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, require, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, require, wait
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
@@ -22,7 +22,7 @@ from course_kit.exercises.checker.vocabulary_topics import (
 )
 from course_kit.robots.navigation.messages import place_of
 from course_kit.robots.navigation.places import Place, wrapped
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 Floats = npt.NDArray[np.float64]
 ANSWER = 6.0  # seconds
@@ -79,12 +79,12 @@ def resample() -> None:
     sender = publisher("/particles", Float64MultiArray)
     expect_compatible_subscription("/particles", sender)
     heard = listen("/resampled", PoseArray), listen("/estimate", PoseStamped)
-    silent: set[Heard] = set()
+    silent: set[ReceivedMessages] = set()
 
     def draw(cloud: Floats) -> Drawn:
         before = {one: len(one) for one in heard}
 
-        def missing() -> set[Heard]:
+        def missing() -> set[ReceivedMessages]:
             return {one for one in heard if len(one) == before[one]} - silent
 
         sender.publish(_message(cloud))

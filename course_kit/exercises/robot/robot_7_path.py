@@ -12,11 +12,11 @@ from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetPlan
 from rclpy.duration import Duration
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, pause, require
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.drawn_maps import DrawnMap, Point, draw
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, pause, require
-from course_kit.exercises.checker.vocabulary_services import Client, expect_service, no_answer
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.service_assertions import Client, expect_service, no_answer
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     publisher,

@@ -7,16 +7,16 @@ import math
 from geometry_msgs.msg import TwistStamped
 from nav2_msgs.action import NavigateToPose
 
+from course_kit.exercises.checker.action_assertions import Client, expect_action
+from course_kit.exercises.checker.assertions import answer, chance, expect, nobody_else, require, wait, wait_for_servers
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.introduction import meet
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, nobody_else, require, wait, wait_for_servers
-from course_kit.exercises.checker.vocabulary_actions import Client, expect_action
-from course_kit.exercises.checker.vocabulary_robot import wait_simulated
-from course_kit.exercises.checker.vocabulary_topics import expect_topic, listen
+from course_kit.exercises.checker.robot_fixtures import wait_simulated
+from course_kit.exercises.checker.topic_assertions import expect_topic, listen
+from course_kit.exercises.checker.wait_for_discovery import meet
 from course_kit.exercises.robot.journey_room import Journey, Room
 from course_kit.robots.navigation.places import wrapped
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 NEAR, STRAIGHT = 0.1, 0.15  # m and rad, of the text
 # What a robot moves besides when tf comes late to its node, on a busy machine: m and rad.
@@ -39,7 +39,7 @@ def drive_there() -> None:
     expect_topic("/cmd_vel", TwistStamped)
     commands = listen("/cmd_vel", TwistStamped)
     wait_for_servers(5.0)
-    meet(current().stage, "/tf", "/tf_static", "/scan")
+    meet(current().test_domain, "/tf", "/tf_static", "/scan")
     wait_simulated(room.robot, 1.0, timeout=10.0)
     arrival = _travel(room, client)
     _expect_arrival(room, arrival)
@@ -119,7 +119,7 @@ def _expect_feedback(journey: Journey) -> None:
     )
 
 
-def _expect_cancelled(room: Room, client: Client, commands: Heard) -> None:
+def _expect_cancelled(room: Room, client: Client, commands: ReceivedMessages) -> None:
     """On the way it is cancelled."""
     simulation = room.robot.simulation
     journey = room.send(client, room.far)

@@ -16,13 +16,13 @@ from rclpy.time import Time
 
 from course_kit.base.programs.child_process import Process
 from course_kit.base.programs.process_ids import own_ids
+from course_kit.exercises.checker.action_assertions import Client, expect_action
+from course_kit.exercises.checker.assertions import chance, expect, require, wait
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import chance, expect, require, wait
-from course_kit.exercises.checker.vocabulary_actions import Client, expect_action
-from course_kit.exercises.checker.vocabulary_robot import a_robot, hear_tf, place_in
-from course_kit.exercises.checker.vocabulary_services import Client as ServiceClient
-from course_kit.exercises.checker.vocabulary_workspace import (
+from course_kit.exercises.checker.robot_fixtures import a_robot, hear_tf, place_in
+from course_kit.exercises.checker.service_assertions import Client as ServiceClient
+from course_kit.exercises.checker.workspace_assertions import (
     expect_installed,
     expect_package,
     get_parameters,
@@ -36,9 +36,9 @@ from course_kit.robots.navigation.grid_map import OCCUPIED, GridMap
 from course_kit.robots.navigation.messages import map_of, place_of, stamped_pose
 from course_kit.robots.navigation.places import Place, between, moved
 from course_kit.robots.robot.world import World
-from course_kit.ros.internals.fastdds_parts import Origin
-from course_kit.ros.internals.rmw_parts import service_topics
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
+from course_kit.ros.private_api.fastdds_parts import Origin
+from course_kit.ros.private_api.rmw_parts import service_topics
 
 KINDS = ("rooms", "maze", "office")
 FACTOR, LATE = 6.0, 15.0  # simulated seconds a second; real ones that there are for a late command
@@ -147,21 +147,21 @@ def _cross(task: Task) -> Crossing:
     if not crossing.is_reached:
         _look_why(crossing, goal)
     launch.stop(5.0)
-    current().stage.tidy()
+    current().test_domain.tidy()
     return crossing
 
 
 def _look_why(crossing: Crossing, goal: PoseStamped) -> None:
     """See what its nodes go by, what their map is worth, and where their paths lead."""
-    stage = current().stage
-    nodes = stage.their_nodes()
+    test_domain = current().test_domain
+    nodes = test_domain.their_nodes()
     crossing.by_own_clock = [node for node in nodes if get_parameters(node, "use_sim_time") == [False]]
-    maps = Heard(OccupancyGrid, "/map", stage.counts)
-    stage.hear(maps, kept=True)
+    maps = ReceivedMessages(OccupancyGrid, "/map", test_domain.counts)
+    test_domain.hear(maps, kept=True)
     if wait(lambda: len(maps), MAP_TIMEOUT, "a map on /map"):
         with contextlib.suppress(ValueError):
             crossing.true_walls = _true_walls(map_of(maps.last), crossing.task.world)
-    if any("/get_plan" in node.service_servers for node in stage.offered()):
+    if any("/get_plan" in node.service_servers for node in test_domain.offered()):
         start = stamped_pose(crossing.begins or (0.0, 0.0, 0.0), "map", goal.header.stamp)
         answer = ServiceClient("/get_plan", GetPlan).ask(start=start, goal=goal).response
         if answer is not None and answer.plan.poses:
@@ -179,11 +179,11 @@ def _true_walls(found: GridMap, where: World) -> float:
 
 def _client(launch: Process) -> Client:
     """A client of the launch's action, once that is there."""
-    station = current().stage
+    observer = current().test_domain
 
     def is_offered() -> bool:
-        station.examine_processes(started())
-        actions = {name for node in station.offered() for name in node.action_servers}
+        observer.examine_processes(started())
+        actions = {name for node in observer.offered() for name in node.action_servers}
         return "/navigate_to_pose" in actions or not launch.is_running
 
     wait(is_offered, BEGIN_TIMEOUT, "the action /navigate_to_pose of the launch", poll=0.2)
@@ -199,7 +199,7 @@ def _said_by(result: NavigateToPose.Result | None) -> str:
 
 def _has_own() -> bool:
     """Whether what publishes the judged topics, or serves /get_plan, is a program of the workspace."""
-    node = current().stage.node
+    node = current().test_domain.node
     names = [*(f"rt{topic}" for topic in JUDGED), *service_topics("/get_plan")]
     ids = [bytes(end.endpoint_gid) for name in names for end in node.get_publishers_info_by_topic(name, no_mangle=True)]
     origins = {origin.pid_bits for one in ids if (origin := Origin.of(one)) is not None}

@@ -8,9 +8,9 @@ from typing import Any
 
 from std_srvs.srv import SetBool
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, read, require
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, read, require
-from course_kit.exercises.checker.vocabulary_services import Client, expect_service, no_answer
+from course_kit.exercises.checker.service_assertions import Client, expect_service, no_answer
 
 
 @check_of("services-1")

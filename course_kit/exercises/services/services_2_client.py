@@ -7,8 +7,7 @@ from typing import Any
 
 from example_interfaces.srv import AddTwoInts
 
-from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import (
+from course_kit.exercises.checker.assertions import (
     answer,
     call,
     chance,
@@ -18,7 +17,8 @@ from course_kit.exercises.checker.vocabulary import (
     wait_for_servers,
     wait_for_servers_to_leave,
 )
-from course_kit.exercises.checker.vocabulary_services import Adder, Server, a_server, later
+from course_kit.exercises.checker.checks import check_of
+from course_kit.exercises.checker.service_assertions import Adder, Server, a_server, later
 
 LATE = 0.5  # seconds that it may take longer than its timeout, as the text says
 PATIENCE = 4.0  # seconds longer than the timeout after which it counts as hanging

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from example_interfaces.srv import AddTwoInts
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, require
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, require
-from course_kit.exercises.checker.vocabulary_services import (
+from course_kit.exercises.checker.service_assertions import (
     Adder,
     Client,
     Server,

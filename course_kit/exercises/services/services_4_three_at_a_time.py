@@ -6,9 +6,9 @@ import time
 
 from example_interfaces.srv import AddTwoInts
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, expect_node, pause, require
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, expect_node, pause, require
-from course_kit.exercises.checker.vocabulary_services import (
+from course_kit.exercises.checker.service_assertions import (
     Client,
     callback_group,
     expect_service,

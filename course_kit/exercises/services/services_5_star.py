@@ -12,8 +12,7 @@ from std_srvs.srv import Trigger
 from turtlesim.srv import Kill, Spawn
 
 from course_kit.exercises.checker import trails
-from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import (
+from course_kit.exercises.checker.assertions import (
     a_turtle,
     answer,
     chance,
@@ -25,10 +24,11 @@ from course_kit.exercises.checker.vocabulary import (
     wait,
     wait_for_servers,
 )
-from course_kit.exercises.checker.vocabulary_services import Answer, Client, expect_service, no_answer, wait_for_answers
-from course_kit.exercises.checker.vocabulary_topics import hear_the_turtle, ticked_late
+from course_kit.exercises.checker.checks import check_of
+from course_kit.exercises.checker.service_assertions import Answer, Client, expect_service, no_answer, wait_for_answers
+from course_kit.exercises.checker.topic_assertions import hear_the_turtle, ticked_late
 from course_kit.robots.turtlesim.node import TurtleSim
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 REFUSAL = 3.5  # seconds in which it says that there is no turtle: 3, and half a one for a busy machine
 STAR = 60.0  # seconds in which it draws
@@ -81,7 +81,7 @@ class Scene(NamedTuple):
     """The turtle's simulator, its poses, and what is drawn."""
 
     turtlesim: TurtleSim
-    driven: Heard
+    driven: ReceivedMessages
     drawing: trails.Drawing
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from course_kit.exercises.checker.vocabulary import chance
-from course_kit.exercises.checker.vocabulary_services import Answer
+from course_kit.exercises.checker.assertions import chance
+from course_kit.exercises.checker.service_assertions import Answer
 
 
 def draw_numbers(largest: int) -> dict[str, int]:

@@ -6,9 +6,9 @@ import os
 from typing import Any
 
 from course_kit.base.arguments import shown
+from course_kit.exercises.checker.assertions import expect, expect_value, parts
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import expect, expect_value, parts
 
 
 @check_of("setup-1")

@@ -6,9 +6,9 @@ import re
 
 from rcl_interfaces.msg import Log
 
+from course_kit.exercises.checker.assertions import expect
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import expect
-from course_kit.exercises.checker.vocabulary_student import expect_running_node, logged_by
+from course_kit.exercises.checker.student_assertions import expect_running_node, logged_by
 
 INFO = 20
 GREETING = "Nice to meet you, "

@@ -8,10 +8,10 @@ from geometry_msgs.msg import Twist
 from turtlesim.msg import Pose
 
 from course_kit.exercises.checker import drives
+from course_kit.exercises.checker.assertions import expect, require
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.drives import Step
-from course_kit.exercises.checker.vocabulary import expect, require
-from course_kit.exercises.checker.vocabulary_student import commands_heard, expect_simulator, heard_since_start
+from course_kit.exercises.checker.student_assertions import commands_heard, expect_simulator, heard_since_start
 from course_kit.exercises.setup.turtles import FIRST, FIRST_COMMANDS, FIRST_POSE, SINCE, STANDS
 from course_kit.robots.turtlesim import paths
 from course_kit.robots.turtlesim.field import EXTENT

@@ -8,9 +8,9 @@ from geometry_msgs.msg import Twist
 from turtlesim.msg import Pose
 
 from course_kit.exercises.checker import drives
+from course_kit.exercises.checker.assertions import expect, expect_value, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import expect, expect_value, wait
-from course_kit.exercises.checker.vocabulary_student import (
+from course_kit.exercises.checker.student_assertions import (
     commands_heard,
     expect_running_node,
     expect_simulator,

@@ -6,9 +6,9 @@ import time
 
 from std_msgs.msg import Int32
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, nobody_else, pause, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, nobody_else, pause, wait
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_topic,
     hear_no_longer,
     heard_once_more,
@@ -17,7 +17,7 @@ from course_kit.exercises.checker.vocabulary_topics import (
     rate_of,
     values,
 )
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 TEN_TO_ZERO = list(range(10, -1, -1))
 START_TIMEOUT = 1.5  # seconds from the first match to 10: the second of the text, and half a one for a busy machine
@@ -97,13 +97,13 @@ def _one_count(moment: float, again_after: int, after: float) -> tuple[list[int]
     return heard.times[: len(TEN_TO_ZERO)], _what_is_wrong(heard, matched, numbered)
 
 
-def _wait_for(heard: Heard, count: int, quiet: float) -> None:
+def _wait_for(heard: ReceivedMessages, count: int, quiet: float) -> None:
     """Until so many have come, or for so many seconds none."""
     began = time.time_ns()
     wait(lambda: len(heard) >= count or time.time_ns() - max([began, *heard.times]) > quiet * 1e9, timeout=6.0)
 
 
-def _what_is_wrong(heard: Heard, matched: int, numbered: list[tuple[int, Int32]]) -> str:
+def _what_is_wrong(heard: ReceivedMessages, matched: int, numbered: list[tuple[int, Int32]]) -> str:
     counted = values(heard, "data")
     if counted != TEN_TO_ZERO:
         return _why_not_ten(counted)
@@ -128,7 +128,7 @@ def _why_not_ten(counted: list[int]) -> str:
             "Nothing came within 4 s. Does its timer wait for `self.publisher.get_subscription_count()`, and then "
             "publish? Begin with 10 in each new node: what is published before a subscription has matched is lost."
         )
-    heard = f"Heard: {', '.join(map(str, counted[:14]))}."
+    heard = f"ReceivedMessages: {', '.join(map(str, counted[:14]))}."
     if counted == TEN_TO_ZERO[::-1]:
         return f"{heard} It counts up."
     if counted[0] < 10:

@@ -13,9 +13,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, nobody_else, pause, read, wait_for_attribute
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, nobody_else, pause, read, wait_for_attribute
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     matches,

@@ -11,9 +11,9 @@ from itertools import pairwise
 from rclpy.publisher import Publisher
 from turtlesim.msg import Pose
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, nobody_else, pause
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, nobody_else, pause
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,

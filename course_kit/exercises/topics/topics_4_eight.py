@@ -10,8 +10,7 @@ from geometry_msgs.msg import Twist
 from turtlesim.msg import Pose
 
 from course_kit.exercises.checker import circles
-from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import (
+from course_kit.exercises.checker.assertions import (
     a_turtle,
     answer,
     chance,
@@ -22,12 +21,13 @@ from course_kit.exercises.checker.vocabulary import (
     time_left,
     wait,
 )
-from course_kit.exercises.checker.vocabulary_topics import expect_topic, hear_the_turtle, ticked_late
+from course_kit.exercises.checker.checks import check_of
+from course_kit.exercises.checker.topic_assertions import expect_topic, hear_the_turtle, ticked_late
 from course_kit.robots.turtlesim import paths
 from course_kit.robots.turtlesim.field import MIDDLE
 from course_kit.robots.turtlesim.node import TurtleSim
 from course_kit.robots.turtlesim.turtle import TICK
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 OFF_MIDDLE = 0.35  # metres at most, in x and in y: there is room for two circles of 2.5 m, whatever the heading
 FIGURES = 3  # at most, where a simulator that ticked late led the turtle astray
@@ -113,7 +113,7 @@ def figure_of_eight() -> None:
     )
 
 
-def _drive(turtlesim: TurtleSim, driven: Heard) -> Figure:
+def _drive(turtlesim: TurtleSim, driven: ReceivedMessages) -> Figure:
     """What a new node drives from somewhere near the middle."""
     x, y = (MIDDLE + chance().uniform(-OFF_MIDDLE, OFF_MIDDLE) for _ in range(2))
     place_turtle(turtlesim, x, y, chance().uniform(-math.pi, math.pi))
@@ -129,7 +129,7 @@ def _drive(turtlesim: TurtleSim, driven: Heard) -> Figure:
     return Figure(*circles.two_circles(poses), paths.gap(poses), paths.length(poses), ticked_late(driven, before))
 
 
-def _drive_until_it_stands(turtlesim: TurtleSim, driven: Heard, before: int) -> list[Pose]:
+def _drive_until_it_stands(turtlesim: TurtleSim, driven: ReceivedMessages, before: int) -> list[Pose]:
     """What was driven after so many poses: from the first motion until the turtle stood still for more than a rest."""
 
     def is_there() -> bool:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
+from course_kit.exercises.checker.assertions import expect
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import expect
-from course_kit.exercises.checker.vocabulary_workspace import expect_executable, expect_package, run_to_end, said
+from course_kit.exercises.checker.workspace_assertions import expect_executable, expect_package, run_to_end, said
 
 WARNING = re.compile(r"^\s|warning", re.IGNORECASE)  # of Python, of what the student did not write
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
+from course_kit.exercises.checker.assertions import chance, expect, pause, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import chance, expect, pause, wait
-from course_kit.exercises.checker.vocabulary_topics import (
+from course_kit.exercises.checker.topic_assertions import (
     expect_compatible_subscription,
     expect_subscription,
     expect_topic,
@@ -18,7 +18,7 @@ from course_kit.exercises.checker.vocabulary_topics import (
     publisher,
     values,
 )
-from course_kit.exercises.checker.vocabulary_workspace import (
+from course_kit.exercises.checker.workspace_assertions import (
     expect_executable,
     expect_gone,
     expect_nodes,
@@ -28,7 +28,7 @@ from course_kit.exercises.checker.vocabulary_workspace import (
     set_parameter,
     start,
 )
-from course_kit.ros.observing.heard import Heard
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 PHRASES = (
     "good morning", "Fresh Coffee", "mañana a las 7", "naïve café", "Привет, мир", "ώρα", "ünten links", "Robot no. 5",
@@ -89,7 +89,7 @@ def _with_odd_ones(phrases: Sequence[str]) -> list[str]:
     return [phrase for part in parts for phrase in part]
 
 
-def _ends() -> tuple[Publisher, Heard]:
+def _ends() -> tuple[Publisher, ReceivedMessages]:
     """Ends of /chatter and /loud that the node knows."""
     voice = publisher("/chatter", String)
     is_published("/loud")  # whose topics come later than its name cannot be met yet
@@ -98,7 +98,7 @@ def _ends() -> tuple[Publisher, Heard]:
     return voice, answers
 
 
-def _say(ends: tuple[Publisher, Heard], phrases: Sequence[str]) -> list[str]:
+def _say(ends: tuple[Publisher, ReceivedMessages], phrases: Sequence[str]) -> list[str]:
     """Say phrases, each when the one before is answered; what came on /loud since, and just after."""
     voice, answers = ends
     before = len(answers)
@@ -111,7 +111,7 @@ def _say(ends: tuple[Publisher, Heard], phrases: Sequence[str]) -> list[str]:
     return values(answers, "data")[before:]
 
 
-def _fault_of(ends: tuple[Publisher, Heard], mark: str, phrases: Sequence[str]) -> str:
+def _fault_of(ends: tuple[Publisher, ReceivedMessages], mark: str, phrases: Sequence[str]) -> str:
     """What is wrong after this mark was set, if anything."""
     taken, why = set_parameter("/loud", "mark", mark)
     if not taken:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from std_msgs.msg import String
 
+from course_kit.exercises.checker.assertions import chance, expect, wait
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import chance, expect, wait
-from course_kit.exercises.checker.vocabulary_topics import listen, values
-from course_kit.exercises.checker.vocabulary_workspace import expect_installed, expect_nodes, expect_package, start
-from course_kit.ros.observing.heard import Heard
-from course_kit.ros.watching.topics import node_name
+from course_kit.exercises.checker.topic_assertions import listen, values
+from course_kit.exercises.checker.workspace_assertions import expect_installed, expect_nodes, expect_package, start
+from course_kit.ros.observing.received_messages import ReceivedMessages
+from course_kit.ros.subscriptions.topics import node_name
 
 ROOM_WORDS = (
     "Soup", "Toast", "Salad", "Pasta", "Lemon", "Bread", "Dust", "Boxes", "Moths", "Ghosts", "Books", "Trunks",
@@ -40,7 +40,7 @@ def rooms() -> None:
         f"`%ros2 topic list` shows where they talk.",
     )
     in_kitchen, in_attic = map(_words, louds)
-    at_attics = {node_name(end) for end in current().stage.subscriptions("/attic/chatter")}
+    at_attics = {node_name(end) for end in current().test_domain.subscriptions("/attic/chatter")}
     expect(
         "both `loud` hear the kitchen, and only the kitchen",
         in_kitchen == in_attic == {said_there.upper() for said_there in kitchen} and not at_attics & set(nodes),
@@ -51,7 +51,7 @@ def rooms() -> None:
     )
 
 
-def _words(heard: Heard) -> set[str]:
+def _words(heard: ReceivedMessages) -> set[str]:
     """The words in front of the numbers."""
     return {text.split(":")[0] for text in values(heard, "data")}
 

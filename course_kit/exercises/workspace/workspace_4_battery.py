@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from course_kit.exercises.checker.assertions import answer, chance, expect, require, wait
 from course_kit.exercises.checker.checks import check_of
-from course_kit.exercises.checker.vocabulary import answer, chance, expect, require, wait
-from course_kit.exercises.checker.vocabulary_services import Client, expect_service
-from course_kit.exercises.checker.vocabulary_topics import expect_topic, listen, rate, values
-from course_kit.exercises.checker.vocabulary_workspace import expect_definition, expect_package, expect_same_types
-from course_kit.ros.observing.heard import Heard
+from course_kit.exercises.checker.service_assertions import Client, expect_service
+from course_kit.exercises.checker.topic_assertions import expect_topic, listen, rate, values
+from course_kit.exercises.checker.workspace_assertions import expect_definition, expect_package, expect_same_types
+from course_kit.ros.observing.received_messages import ReceivedMessages
 
 FULL = 100.0
 STEPS = 4  # messages from which rate and steps are taken
@@ -77,7 +77,7 @@ class _Habit:
     largest: float  # per cent from one message to the next
 
     @classmethod
-    def of(cls, heard: Heard) -> _Habit:
+    def of(cls, heard: ReceivedMessages) -> _Habit:
         steps = [before - after for before, after in pairwise(values(heard, "percentage")) if before > 0.0] or [0.0]
         is_even = max(steps) <= EVEN * min(steps)
         return cls(
@@ -96,13 +96,13 @@ class _Habit:
         )
 
 
-def _is_steady(heard: Heard) -> bool:
+def _is_steady(heard: ReceivedMessages) -> bool:
     """Whether the newest messages came once a second."""
     times = heard.times[-STEPS:]
     return len(times) == STEPS and abs((times[-1] - times[0]) / 1e9 / (STEPS - 1) - 1.0) < 0.15
 
 
-def _fault_of(client: Client, heard: Heard, asked: list[float], habit: _Habit, messages: int) -> str:
+def _fault_of(client: Client, heard: ReceivedMessages, asked: list[float], habit: _Habit, messages: int) -> str:
     """What is wrong with the answers to these percentages, and with what the battery has then, if anything."""
     before = max(0, len(heard) - 1)
     for percentage in asked:

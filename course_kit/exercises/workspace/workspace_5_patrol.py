@@ -11,11 +11,11 @@ import yaml
 from turtlesim.msg import Pose
 
 from course_kit.exercises.checker import squares
+from course_kit.exercises.checker.assertions import a_turtle, chance, expect, pause, wait
 from course_kit.exercises.checker.checks import check_of
 from course_kit.exercises.checker.examination import current
-from course_kit.exercises.checker.vocabulary import a_turtle, chance, expect, pause, wait
-from course_kit.exercises.checker.vocabulary_topics import hear_the_turtle, listen
-from course_kit.exercises.checker.vocabulary_workspace import (
+from course_kit.exercises.checker.topic_assertions import hear_the_turtle, listen
+from course_kit.exercises.checker.workspace_assertions import (
     expect_executable,
     expect_installed,
     expect_nodes,
@@ -26,8 +26,8 @@ from course_kit.exercises.checker.vocabulary_workspace import (
     start,
 )
 from course_kit.robots.turtlesim import paths
-from course_kit.ros.observing.heard import Heard
-from course_kit.ros.watching import topics
+from course_kit.ros.observing.received_messages import ReceivedMessages
+from course_kit.ros.subscriptions import topics
 from course_kit.setup.colcon import regular_files
 
 LAP_TIMEOUT = 36.0
@@ -68,7 +68,7 @@ def patrol() -> None:
     )
     _check_limits(driven, new_speed)
     node.stop(2.0)
-    current().stage.tidy()
+    current().test_domain.tidy()
     _check_launch()
 
 
@@ -79,7 +79,7 @@ def _drawn() -> tuple[tuple[float, float], tuple[float, float]]:
     return (small, large) if chance().random() < 0.5 else (large, small)
 
 
-def _check_limits(driven: Heard, speed: float) -> None:
+def _check_limits(driven: ReceivedMessages, speed: float) -> None:
     """A speed of 0 or less is refused and has no effect, a small one is taken."""
     below = round(-speed * chance().choice((chance().uniform(0.2, 0.7), chance().uniform(1.4, 2.0))), 2)  # not as fast
     refused = {value: set_parameter("/patrol", "speed", value) for value in chance().sample([0.0, below], 2)}
@@ -138,9 +138,9 @@ def _check_launch() -> None:
     )
 
 
-def _of_turtlesim(room: str, heard: Heard) -> list[Any]:
+def _of_turtlesim(room: str, heard: ReceivedMessages) -> list[Any]:
     """The poses that the simulator of a room has sent."""
-    ends = current().stage.publishers(heard.topic)
+    ends = current().test_domain.publishers(heard.topic)
     own = {bytes(end.endpoint_gid) for end in ends if topics.node_name(end) == f"/{room}/turtlesim"}
     return [pose for _, pose in heard.of(own)]
 
@@ -173,7 +173,7 @@ def _turns_fast(lap: list[Any]) -> bool:
     return bool(turns) and min(turns) >= SLOWEST_TURN
 
 
-def _lap(driven: Heard, timeout: float, angle: float = squares.LAP) -> list[Any]:
+def _lap(driven: ReceivedMessages, timeout: float, angle: float = squares.LAP) -> list[Any]:
     """The poses from now on until the turtle has turned by an angle, or the time is over."""
     before = len(driven)
 
@@ -185,7 +185,7 @@ def _lap(driven: Heard, timeout: float, angle: float = squares.LAP) -> list[Any]
     return driven.messages[before:]
 
 
-def _lap_of(driven: Heard, is_right: Callable[[list[Any]], bool]) -> list[Any]:
+def _lap_of(driven: ReceivedMessages, is_right: Callable[[list[Any]], bool]) -> list[Any]:
     """The next lap; another one if it is not right: a busy machine drives badly now and then."""
     for _ in range(2):
         began = time.monotonic()

@@ -25,7 +25,7 @@ from rclpy.task import Future
 
 from course_kit.base import kernel
 from course_kit.ros.causes.handed_over import wrong
-from course_kit.ros.internals import going_on_without, rclpy_action_parts, rclpy_parts
+from course_kit.ros.private_api import going_on_without, rclpy_action_parts, rclpy_parts
 from course_kit.ros.spinning import NodeAlreadyRuns, action_answers, executors
 from course_kit.ros.spinning import context as ros_context
 from course_kit.ros.spinning.nodes import destroy

@@ -19,7 +19,7 @@ from course_kit.lab.background import running
 from course_kit.lab.node_logs.rosout import LEVELS, level_number
 from course_kit.ros.graph import graph
 from course_kit.ros.spinning import executors
-from course_kit.ros.watching import clients, instruments
+from course_kit.ros.subscriptions import clients, observer_node
 
 DEFAULT = "INFO"  # where no level was set
 
@@ -78,7 +78,7 @@ def _wait_for_node(node: Node | str, timeout: float) -> str:
     name = "/" + str(node).strip("/")
 
     def names() -> list[str]:
-        return [one.full_name for one in graph.nodes(instruments.node(), with_hidden=True)]
+        return [one.full_name for one in graph.nodes(observer_node.node(), with_hidden=True)]
 
     if not wait_until(lambda: name in names(), timeout):
         there = ", ".join(one for one in names() if not graph.is_hidden(one)) or "none"

@@ -23,10 +23,10 @@ from course_kit.base.arguments import NODE, shown
 from course_kit.base.long_tasks import long_task
 from course_kit.base.programs import processes
 from course_kit.base.programs.child_process import Process
-from course_kit.lab.background import guards, namesakes
+from course_kit.lab.background import duplicate_names, guards
 from course_kit.lab.node_logs import rosout
-from course_kit.ros.internals import going_on_without
-from course_kit.ros.internals.rclpy_parts import end_child_loggers
+from course_kit.ros.private_api import going_on_without
+from course_kit.ros.private_api.rclpy_parts import end_child_loggers
 from course_kit.ros.spinning import context, errors
 from course_kit.ros.spinning.executors import SpinThread
 from course_kit.ros.spinning.nodes import construct, made_by
@@ -190,7 +190,7 @@ def remarks(name: str) -> list[str]:
         if stall is not None and stall.is_long
         else ""
     )
-    return [said for said in (blocked, namesakes.told(name), context.elsewhere()) if said]
+    return [said for said in (blocked, duplicate_names.told(name), context.elsewhere()) if said]
 
 
 def _forget_ended(start: int) -> None:

@@ -19,9 +19,9 @@ from course_kit.base.programs import processes
 from course_kit.base.programs.child_process import Process
 from course_kit.lab.background import running
 from course_kit.ros.interface_types import type_name
-from course_kit.ros.internals import going_on_without
-from course_kit.ros.internals.rclpy_action_parts import awaited_of
-from course_kit.ros.internals.rclpy_parts import pending_requests
+from course_kit.ros.private_api import going_on_without
+from course_kit.ros.private_api.rclpy_action_parts import awaited_of
+from course_kit.ros.private_api.rclpy_parts import pending_requests
 from course_kit.ros.spinning import action_answers, executors
 
 POLL = 0.01  # seconds between two looks at a condition

@@ -19,12 +19,12 @@ from pathlib import Path
 from typing import Any
 
 from course_kit.base.arguments import PATH, RATE, TEXT, takes
+from course_kit.base.atomic_files import writing
 from course_kit.base.polling import wait_until
-from course_kit.base.whole_files import writing
 from course_kit.lab.bags.files import BagInfo, BagTopic, OpenBag, info, is_being_recorded, opened, storage_files
 from course_kit.lab.bags.repair import reindex
 from course_kit.lab.bags.storage import BagError
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 __all__ = ["BagError", "BagInfo", "BagRecording", "BagTopic", "info", "play", "read", "record", "reindex"]
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from rosbags.interfaces import Connection, QosTime
 
-from course_kit.base.whole_files import write_whole
+from course_kit.base.atomic_files import write_whole
 from course_kit.lab.bags.files import METADATA
 from course_kit.lab.bags.storage import NO_TIME
-from course_kit.ros.internals.rosbags_parts import DISTRO
+from course_kit.ros.private_api.rosbags_parts import DISTRO
 
 VERSION = 9
 

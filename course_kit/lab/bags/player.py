@@ -26,7 +26,7 @@ from course_kit.lab.bags.requests import Requests
 from course_kit.lab.bags.selection import Selection, service_of
 from course_kit.ros.spinning import context
 from course_kit.ros.spinning.nodes import quiet_node
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 NODE = "rosbag2_player"
 READ_AHEAD = 1000  # messages

@@ -26,9 +26,9 @@ from course_kit.lab.bags.selection import Selection, service_of
 from course_kit.ros.graph import graph
 from course_kit.ros.spinning import context, errors
 from course_kit.ros.spinning.nodes import quiet_node
-from course_kit.ros.watching import topics
-from course_kit.ros.watching.listening import close_all
-from course_kit.ros.watching.raw_subscriptions import RawSubscription, Watcher
+from course_kit.ros.subscriptions import topics
+from course_kit.ros.subscriptions.listening import close_all
+from course_kit.ros.subscriptions.raw_subscriptions import RawSubscription, Watcher
 
 if TYPE_CHECKING:
     from course_kit.lab.bags.writer import BagWriter

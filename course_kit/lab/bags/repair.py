@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from course_kit.base.arguments import PATH, takes
-from course_kit.base.whole_files import reason_of, set_aside
+from course_kit.base.atomic_files import reason_of, set_aside
 from course_kit.lab.bags import cut_sqlite
 from course_kit.lab.bags.files import METADATA, STORAGES, is_being_recorded, opened, storage_files
 from course_kit.lab.bags.metadata import VERSION, Span, as_yaml, metadata_of, write_metadata
 from course_kit.lab.bags.storage import BagError, open_storage
 from course_kit.lab.bags.writer import announce
-from course_kit.ros.internals.rosbags_parts import FILES
+from course_kit.ros.private_api.rosbags_parts import FILES
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Reader

@@ -11,8 +11,8 @@ from service_msgs.msg import ServiceEventInfo
 
 from course_kit.base.polling import wait_until
 from course_kit.ros.interface_types import message_class
-from course_kit.ros.watching import instruments
-from course_kit.ros.watching.clients import client_of
+from course_kit.ros.subscriptions import observer_node
+from course_kit.ros.subscriptions.clients import client_of
 
 REQUESTS = (ServiceEventInfo.REQUEST_SENT, ServiceEventInfo.REQUEST_RECEIVED)
 ANSWER_TIMEOUT = 1.0  # seconds given to the last answers
@@ -29,7 +29,7 @@ class Requests:
         self._event = message_class(event_type)
         self._stack = ExitStack()
         service = message_class(event_type.removesuffix("_Event"))
-        self._client = self._stack.enter_context(client_of(instruments.node(), service, name))
+        self._client = self._stack.enter_context(client_of(observer_node.node(), service, name))
         self._sources: dict[bytes, int] = {}  # by client: who tells of its requests, itself or the server
         self._answers: list[Any] = []
         self._said: set[str] = set()
@@ -37,7 +37,7 @@ class Requests:
     @property
     def is_matched(self) -> bool:
         """Whether the server, if there is one, is connected."""
-        return self._client.service_is_ready() or not instruments.node().count_services(self.name)
+        return self._client.service_is_ready() or not observer_node.node().count_services(self.name)
 
     def publish(self, data: bytes) -> None:
         """Send the request of a serialised event, unless it is an event of another kind."""

@@ -27,7 +27,7 @@ def open_storage(file: Path) -> tuple[Reader, bool]:
     """The open reader of one storage file, and whether it is as who wrote it has closed it. Raises NotAsExpected."""
     from rosbags.rosbag2 import Reader
 
-    from course_kit.ros.internals.rosbags_parts import add_type_hashes, unfinished_mcap
+    from course_kit.ros.private_api.rosbags_parts import add_type_hashes, unfinished_mcap
 
     is_mcap = file.suffix != ".db3"
     if not is_mcap and cut_sqlite.is_cut(file):

@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition, MessageDefinitionFormat
 
+from course_kit.base.atomic_files import NotWritten, writing
 from course_kit.base.file_locks import acquire
 from course_kit.base.polling import wait_until
-from course_kit.base.whole_files import NotWritten, writing
 from course_kit.lab.bags.metadata import VERSION, Span, as_yaml, metadata_of, profiles_of, write_metadata
 from course_kit.lab.bags.storage import BagError
 from course_kit.lab.bags.types import definition, type_hash
-from course_kit.ros.internals import NotAsExpected
-from course_kit.ros.internals.rosbags_parts import FILES, StorageFile
+from course_kit.ros.private_api import NotAsExpected
+from course_kit.ros.private_api.rosbags_parts import FILES, StorageFile
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Qos

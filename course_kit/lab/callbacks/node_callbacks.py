@@ -12,8 +12,8 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 
 from course_kit.lab.callbacks.callback_groups import Callback, Execution, Group
-from course_kit.ros.internals import NotAsExpected, going_on_without
-from course_kit.ros.internals.rclpy_parts import thread_count
+from course_kit.ros.private_api import NotAsExpected, going_on_without
+from course_kit.ros.private_api.rclpy_parts import thread_count
 from course_kit.ros.spinning.executors import executor_of
 from course_kit.ros.spinning.nodes import actions_of
 

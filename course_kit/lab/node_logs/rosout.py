@@ -18,7 +18,7 @@ from course_kit.base import inks
 from course_kit.base.arguments import COUNT, NODE, SPAN, TEXT, takes
 from course_kit.base.text import table
 from course_kit.ros.spinning import errors
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 
 LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 NUMBERS = {name: number for number, name in LEVELS.items()} | {"WARNING": 30}
@@ -53,8 +53,8 @@ _subscription: Any = None
 def collect() -> None:
     """Subscribe to /rosout, if that is not done yet: called before the first node starts, so no line is missed."""
     global _subscription
-    if _subscription is None or _subscription.closed.is_set() or instruments.present() is None:
-        _subscription = instruments.subscribe("/rosout", _receive, "rcl_interfaces/msg/Log")
+    if _subscription is None or _subscription.closed.is_set() or observer_node.present() is None:
+        _subscription = observer_node.subscribe("/rosout", _receive, "rcl_interfaces/msg/Log")
 
 
 def line_of(message: Log) -> LogLine:

@@ -14,8 +14,8 @@ from course_kit.base.alternative_text import span
 from course_kit.base.arguments import PLACES, TEXT, takes
 from course_kit.base.figures import ABOVE, COLOURS, FAINT, INK, PANEL, Plot, legend, style, widen
 from course_kit.base.text import numbered
-from course_kit.lab.recordings.measure import Int64s, rate_over_time
-from course_kit.lab.recordings.meters import RateMeter
+from course_kit.lab.recordings.rate_statistics import Int64s, rate_over_time
+from course_kit.lab.recordings.rates import RateMeter
 from course_kit.lab.recordings.recording import Recording
 from course_kit.lab.recordings.topic_recording import TopicRecording
 from course_kit.lab.recordings.tracks import READERS, Track, track

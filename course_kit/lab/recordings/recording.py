@@ -14,9 +14,9 @@ from course_kit.base.long_tasks import long_task
 from course_kit.base.polling import wait_until
 from course_kit.lab.recordings.buffers import MessageBuffer
 from course_kit.lab.recordings.topic_recording import TopicRecording, table
-from course_kit.ros.watching import instruments, topics
-from course_kit.ros.watching.listening import Listening
-from course_kit.ros.watching.raw_subscriptions import Callback
+from course_kit.ros.subscriptions import observer_node, topics
+from course_kit.ros.subscriptions.listening import Listening
+from course_kit.ros.subscriptions.raw_subscriptions import Callback
 
 MAX_BYTES = 1 << 30
 FIRST_MESSAGE = 1.0  # seconds given to publishers to find the recording before its seconds count
@@ -158,7 +158,7 @@ def record(
     """
     pairs = topics.with_types(wanted)
     # All types are looked up first, so that recording starts for all topics at once.
-    recording = Recording(topics.look_up(instruments.node(), pairs, timeout), max_bytes, keep, count)
+    recording = Recording(topics.look_up(observer_node.node(), pairs, timeout), max_bytes, keep, count)
     if count is None and seconds is None:
         return recording
     limit = timeout if seconds is None else seconds

@@ -13,7 +13,7 @@ from course_kit.base import text
 from course_kit.base.arguments import TEXT, takes
 from course_kit.lab.recordings import fields
 from course_kit.lab.recordings.buffers import Int64s, Serialised
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 
 class Messages(Sequence[Any]):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from course_kit.lab.recordings.measure import Float64s
+from course_kit.lab.recordings.rate_statistics import Float64s
 
 
 @dataclass(frozen=True)

@@ -27,10 +27,10 @@ from rosgraph_msgs.msg import Clock
 
 from course_kit.base.polling import wait_until
 from course_kit.lab.bags import qos as bag_qos
-from course_kit.ros.internals.rclpy_parts import fast_executor, is_fast
+from course_kit.ros.private_api.rclpy_parts import fast_executor, is_fast
 from course_kit.ros.spinning import context, executors
 from course_kit.ros.spinning.nodes import WITHOUT_DESCRIPTIONS, destroy, quiet_node
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 OF_EVERY_NODE = ("/parameter_events", "/rosout", "/clock")
 DOMAINS = 100  # 0 to 99: those whose ports every system leaves free

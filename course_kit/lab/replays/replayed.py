@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 
 from course_kit.base.arguments import DISTANCE, PATH, takes
+from course_kit.base.atomic_files import writing
 from course_kit.base.text import numbered, table
-from course_kit.base.whole_files import writing
 from course_kit.lab import bags
 from course_kit.lab.node_logs.rosout import LogLines
 from course_kit.lab.recordings.buffers import MessageBuffer
 from course_kit.lab.recordings.topic_recording import TopicRecording
 from course_kit.lab.recordings.topic_recording import table as topic_table
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 TOLERANCE = 1e-6
 

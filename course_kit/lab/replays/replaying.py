@@ -28,7 +28,7 @@ from course_kit.lab.node_logs import rosout
 from course_kit.lab.replays.lockstep import OF_EVERY_NODE, LockStep
 from course_kit.lab.replays.replayed import Replayed
 from course_kit.ros.spinning.executors import refuse_in_callback
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 
 @takes(bag=PATH, timeout=SPAN)

@@ -18,8 +18,8 @@ import psutil  # type: ignore[import-untyped]
 from rclpy.node import Node
 
 from course_kit.ros.graph import graph
-from course_kit.ros.internals.fastdds_parts import Origin, participant_ports
-from course_kit.ros.watching import instruments, topics
+from course_kit.ros.private_api.fastdds_parts import Origin, participant_ports
+from course_kit.ros.subscriptions import observer_node, topics
 
 OF_EVERY_NODE = ("/rosout", "/parameter_events")  # hardly a node is without a publisher on both
 NOTEBOOK = "this notebook"
@@ -44,7 +44,7 @@ class NodeProcess:
 
 def node_processes() -> list[NodeProcess]:
     """The processes in which the nodes of this domain live, this notebook first, each with its nodes."""
-    node = instruments.node()
+    node = observer_node.node()
     origins = _origins(node)
     own = _own_origin(node)
     found: dict[tuple[int | None, str], list[str]] = {}

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from course_kit.base.alternative_text import span
 from course_kit.base.arguments import TEXT, takes
 from course_kit.base.figures import COLOURS, FAINT, Plot, legend, style
-from course_kit.lab.recordings.measure import Int64s, rate_over_time
-from course_kit.lab.recordings.meters import RateMeter
 from course_kit.lab.recordings.plots import arrivals_of
+from course_kit.lab.recordings.rate_statistics import Int64s, rate_over_time
+from course_kit.lab.recordings.rates import RateMeter
 from course_kit.lab.recordings.recording import Recording
 from course_kit.lab.recordings.topic_recording import TopicRecording
 from course_kit.lab.resources.resource_recording import ResourceRecording, Usage

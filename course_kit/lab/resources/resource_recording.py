@@ -22,7 +22,7 @@ from course_kit.base.arguments import NODE, SPAN, takes
 from course_kit.base.long_tasks import long_task
 from course_kit.base.text import stands_still, table
 from course_kit.lab.background import running
-from course_kit.lab.recordings.measure import Float64s, Int64s
+from course_kit.lab.recordings.rate_statistics import Float64s, Int64s
 from course_kit.lab.resources.processes_with_nodes import NOTEBOOK, NodeProcess, node_processes
 from course_kit.ros.spinning import context
 

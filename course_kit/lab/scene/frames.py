@@ -13,7 +13,7 @@ import numpy.typing as npt
 from course_kit.robots.tf.chain import chain_between
 from course_kit.robots.tf.errors import TransformException
 from course_kit.robots.tf.link import NEVER, Found, Link, Sample
-from course_kit.robots.tf.placement import Placement
+from course_kit.robots.tf.rigid_transforms import RigidTransform
 from course_kit.robots.tf.tree import Tree
 
 Float64s = npt.NDArray[np.float64]
@@ -51,7 +51,7 @@ class Frames:
         q = np.array([orientation.w, orientation.x, orientation.y, orientation.z], np.float64)
         length = float(np.linalg.norm(q))
         turn = q / length if length > 1e-9 else np.array([1.0, 0.0, 0.0, 0.0])
-        place = Placement(np.array([position.x, position.y, position.z], np.float64), turn)
+        place = RigidTransform(np.array([position.x, position.y, position.z], np.float64), turn)
         link = links.setdefault(child, Link(FOREVER, is_static))
         link.add(Sample(NEVER if link.is_static else stamp_of(message), parent, place))
 

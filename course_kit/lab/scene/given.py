@@ -12,7 +12,7 @@ from course_kit.lab.recordings.recording import Recording, record
 from course_kit.lab.recordings.topic_recording import TopicRecording
 from course_kit.lab.scene.frames import ODOMETRY, TRANSFORMS
 from course_kit.ros.graph.plots import observer
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 
 @dataclass

@@ -19,7 +19,7 @@ from course_kit.base.polling import wait_until
 from course_kit.lab.scene.frames import TRANSFORMS, Float64s, Frames
 from course_kit.lab.scene.given import listening, messages
 from course_kit.lab.scene.scene import UNKNOWN, Layer, Scene, is_known, layer, scene
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 # Free, occupied and unknown cells; the ground outside a map is white, so free is not.
 FREE, OCCUPIED, NOT_KNOWN = "#e9eef4", "#15181c", "#a9aca6"

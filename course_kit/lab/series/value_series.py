@@ -22,16 +22,16 @@ import numpy.typing as npt
 from rclpy.node import Node
 
 from course_kit.base.arguments import PATH, SPAN, WAIT, shown, takes
+from course_kit.base.atomic_files import write_whole
 from course_kit.base.polling import wait_until
 from course_kit.base.text import table
-from course_kit.base.whole_files import write_whole
 from course_kit.lab import bags
 from course_kit.lab.recordings.buffers import Int64s
 from course_kit.lab.recordings.recording import Recording, record
 from course_kit.lab.recordings.topic_recording import TopicRecording
 from course_kit.lab.series import field_paths
 from course_kit.lab.series.field_paths import FieldPath, Reader
-from course_kit.ros.watching import instruments, topics
+from course_kit.ros.subscriptions import observer_node, topics
 
 Source = Recording | TopicRecording | str | os.PathLike[str]
 
@@ -105,7 +105,7 @@ def record_live(wanted: list[FieldPath], timeout: float, **how: Any) -> Recordin
 
     TimeoutError for a topic that no node publishes; a bad path is refused before it takes time to record.
     """
-    node = instruments.node()
+    node = observer_node.node()
     for path in wanted:
         topics.absolute(path.topic)
         if not path.field:  # '/turtle1/pose/x', as PlotJuggler writes it

@@ -21,8 +21,8 @@ from course_kit.lab.tf_tools.frames import Frame, HeardFrames, from_yaml
 from course_kit.ros.graph.cards import Wire
 from course_kit.ros.graph.drawing import WIRE, Legend, draw_card, draw_legend, draw_wire, sheet, text_width, wire_look
 from course_kit.ros.graph.plots import observer
-from course_kit.ros.watching import topics
-from course_kit.ros.watching.raw_subscriptions import Watcher
+from course_kit.ros.subscriptions import topics
+from course_kit.ros.subscriptions.raw_subscriptions import Watcher
 
 MOVING = COLOURS[0]
 STATIC_TOPIC = "tf_static"

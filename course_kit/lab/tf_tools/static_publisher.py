@@ -17,7 +17,7 @@ from rclpy.parameter import Parameter
 from tf2_ros import StaticTransformBroadcaster
 
 from course_kit.lab.tf_tools.static_arguments import OLD_STYLE, USAGE, StaticTransform, read_arguments, wants_help
-from course_kit.ros.internals.rclpy_parts import nameless_logger
+from course_kit.ros.private_api.rclpy_parts import nameless_logger
 from course_kit.ros.program import own_words, program, spin_for
 
 NAME = "static_transform_publisher"

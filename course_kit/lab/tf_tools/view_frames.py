@@ -12,11 +12,11 @@ from rclpy.node import Node
 from tf2_msgs.srv import FrameGraph
 from tf2_ros import Buffer, TransformListener
 
-from course_kit.base.whole_files import NotWritten, write_whole, writing
+from course_kit.base.atomic_files import NotWritten, write_whole, writing
 from course_kit.lab.tf_tools.frames import dot, from_yaml
 from course_kit.robots.tf.broadcasters import TF, TF_STATIC
 from course_kit.ros.program import own_words, program, spin_for
-from course_kit.ros.watching import topics
+from course_kit.ros.subscriptions import topics
 
 NAME = "view_frames"
 

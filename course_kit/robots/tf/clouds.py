@@ -11,8 +11,8 @@ from sensor_msgs.msg import PointCloud2, PointField
 
 from course_kit.robots.tf.conversions import placement
 from course_kit.robots.tf.geometry import from_msg_msg, to_msg_msg
-from course_kit.robots.tf.placement import Floats
 from course_kit.robots.tf.registration import ConvertRegistration, TransformRegistration
+from course_kit.robots.tf.rigid_transforms import Floats
 
 AXES = ("x", "y", "z")
 FORMATS = {PointField.FLOAT32: "f4", PointField.FLOAT64: "f8"}

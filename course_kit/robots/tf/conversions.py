@@ -10,7 +10,7 @@ from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from rclpy.time import Time
 
 from course_kit.robots.tf.link import Sample
-from course_kit.robots.tf.placement import Floats, Placement
+from course_kit.robots.tf.rigid_transforms import Floats, RigidTransform
 
 SECOND = 10**9  # ns
 
@@ -46,9 +46,9 @@ def quaternion(message: Any) -> Floats:
     return np.array([message.w, message.x, message.y, message.z], np.float64)
 
 
-def placement(transform: Transform) -> Placement:
+def placement(transform: Transform) -> RigidTransform:
     """Where a Transform puts a frame."""
-    return Placement(vector(transform.translation), quaternion(transform.rotation))
+    return RigidTransform(vector(transform.translation), quaternion(transform.rotation))
 
 
 def sample(message: TransformStamped) -> tuple[str, Sample]:
@@ -69,7 +69,7 @@ def quaternion_message(values: Floats) -> Quaternion:
     return Quaternion(x=x, y=y, z=z, w=w)
 
 
-def transform_stamped(target: str, source: str, stamp: int, where: Placement) -> TransformStamped:
+def transform_stamped(target: str, source: str, stamp: int, where: RigidTransform) -> TransformStamped:
     """Where the source frame is in the target frame, as a message."""
     message = TransformStamped(child_frame_id=source)
     message.header.frame_id = target

@@ -21,8 +21,8 @@ from geometry_msgs.msg import (
 )
 
 from course_kit.robots.tf.conversions import placement, put, quaternion, quaternion_message, vector
-from course_kit.robots.tf.placement import Placement
 from course_kit.robots.tf.registration import ConvertRegistration, TransformRegistration
+from course_kit.robots.tf.rigid_transforms import RigidTransform
 
 
 def to_msg_msg(msg: Any) -> Any:
@@ -57,7 +57,7 @@ def do_transform_vector3(vector3: Vector3Stamped, transform: TransformStamped) -
 
 def do_transform_pose(pose: Pose, transform: TransformStamped) -> Pose:
     """A pose without a header in the other frame."""
-    inside = Placement(vector(pose.position), quaternion(pose.orientation))
+    inside = RigidTransform(vector(pose.position), quaternion(pose.orientation))
     outside = placement(transform.transform) @ inside
     result = Pose(orientation=quaternion_message(outside.rotation))
     put(result.position, outside.translation)

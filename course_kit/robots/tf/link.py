@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from typing import NamedTuple
 
-from course_kit.robots.tf.placement import Placement
+from course_kit.robots.tf.rigid_transforms import RigidTransform
 
 NEVER = 0  # ns; as a moment that is asked for it means the latest, and a static link has no other
 
@@ -15,7 +15,7 @@ class Sample(NamedTuple):
 
     stamp: int  # ns
     parent: str
-    placement: Placement
+    placement: RigidTransform
 
     def same(self, other: Sample) -> bool:
         """Whether it says the same."""
@@ -30,7 +30,7 @@ class Found(NamedTuple):
     newer: Sample
     ratio: float
 
-    def placement(self) -> Placement:
+    def placement(self) -> RigidTransform:
         """Where the frame was."""
         if self.older is self.newer or self.older.parent != self.newer.parent:
             return self.older.placement

@@ -14,7 +14,7 @@ from course_kit.robots.tf.errors import (
     TransformException,
 )
 from course_kit.robots.tf.link import NEVER, Found, Link, NotFound, Sample
-from course_kit.robots.tf.placement import IDENTITY, Placement
+from course_kit.robots.tf.rigid_transforms import IDENTITY, RigidTransform
 
 CACHE_TIME = 10 * 10**9  # ns
 DEEPEST = 1000  # links; a longer way is a loop
@@ -91,7 +91,7 @@ class Tree:
 
     # What follows from it
 
-    def lookup(self, target: str, source: str, moment: int) -> tuple[Placement, int]:
+    def lookup(self, target: str, source: str, moment: int) -> tuple[RigidTransform, int]:
         """Where the source frame is in the target frame, and the moment for which that is true."""
         with self._lock:
             if target == source:
@@ -104,7 +104,7 @@ class Tree:
 
     def lookup_full(
         self, target: str, target_moment: int, source: str, source_moment: int, fixed: str
-    ) -> tuple[Placement, int]:
+    ) -> tuple[RigidTransform, int]:
         """Where the source frame was at one moment in the target frame of another, while `fixed` stood still."""
         with self._lock:
             for role, name in (("target", target), ("source", source), ("fixed", fixed)):
@@ -239,7 +239,7 @@ def _earliest(links: list[Link]) -> int:
     return min((link.latest for link in links if link.latest != NEVER), default=NEVER)
 
 
-def _chained(way: list[Found]) -> Placement:
+def _chained(way: list[Found]) -> RigidTransform:
     """Where the lowest frame of a way up is in the highest."""
     placement = IDENTITY
     for found in way:

@@ -11,16 +11,16 @@ if TYPE_CHECKING:
 
 def _rules() -> tuple[Rule, ...]:
     """All rules; loaded when an error is to be explained, for whatever starts ROS could have one."""
-    from course_kit.ros.causes import callbacks, interfaces, names, nodes, parameters, transforms
+    from course_kit.ros.causes import callbacks, interfaces, nodes, parameters, python_names, ros_names, transforms
 
-    least_telling = names.RULES
     return (
         *nodes.RULES,
         *callbacks.RULES,
         *interfaces.RULES,
         *parameters.RULES,
         *transforms.RULES,
-        *least_telling,
+        *ros_names.RULES,
+        *python_names.RULES,  # the least telling ones
     )
 
 

@@ -17,12 +17,12 @@ from collections.abc import Callable, Iterable, Sequence
 from rclpy.node import Node
 
 from course_kit.ros.graph import latecomers
-from course_kit.ros.internals import going_on_without
-from course_kit.ros.internals.fastdds_parts import PARTICIPANT_SIZE, Entities, entities, participants_listening
-from course_kit.ros.internals.rmw_parts import SerializedSubscription, is_fast_dds
-from course_kit.ros.internals.rtps_parts import ask_all_to_announce
-from course_kit.ros.watching import instruments
-from course_kit.ros.watching.topics import UNKNOWN_NODE
+from course_kit.ros.private_api import going_on_without
+from course_kit.ros.private_api.fastdds_parts import PARTICIPANT_SIZE, Entities, entities, participants_listening
+from course_kit.ros.private_api.rmw_parts import SerializedSubscription, is_fast_dds
+from course_kit.ros.private_api.rtps_parts import ask_all_to_announce
+from course_kit.ros.subscriptions import observer_node
+from course_kit.ros.subscriptions.topics import UNKNOWN_NODE
 
 POLL = 0.01  # seconds
 REST = 2.5  # seconds without news after which no more is expected: lost messages are repeated each second
@@ -41,7 +41,7 @@ _discoveries: weakref.WeakKeyDictionary[Node, Discovery] = weakref.WeakKeyDictio
 
 def of(node: Node, keep: bool = False) -> Discovery:
     """The discovery of a node, made at the first use and kept with it; `keep` for a process that stays."""
-    instruments.before_end(forget)
+    observer_node.before_end(forget)
     with _lock:
         if node not in _discoveries:
             _discoveries[node] = Discovery(node)

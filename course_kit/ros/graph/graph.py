@@ -15,8 +15,8 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from course_kit.ros.graph import discovery
 from course_kit.ros.graph.snapshot import EVERY_NODES_SERVICES, EVERYWHERE, Channel, Endpoint, GraphNode, Qos, Snapshot
-from course_kit.ros.internals.rmw_parts import request_topic
-from course_kit.ros.watching.topics import publishers, subscriptions
+from course_kit.ros.private_api.rmw_parts import request_topic
+from course_kit.ros.subscriptions.topics import publishers, subscriptions
 
 NamesAndTypes = dict[str, list[str]]
 FEEDBACK, FEEDBACK_TYPE = "/_action/feedback", "_FeedbackMessage"  # of an action's topic, by which it is known

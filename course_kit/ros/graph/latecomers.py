@@ -6,7 +6,7 @@ import os
 from collections.abc import Container, Iterable
 from pathlib import Path
 
-from course_kit.ros.internals.fastdds_parts import PROCESSES, Origin, processes_listening
+from course_kit.ros.private_api.fastdds_parts import PROCESSES, Origin, processes_listening
 
 LONGEST = 60  # characters of a command line
 

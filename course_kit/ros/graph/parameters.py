@@ -13,7 +13,7 @@ from rclpy.parameter import parameter_value_to_python
 from course_kit.base.polling import wait_until
 from course_kit.ros.graph import graph
 from course_kit.ros.graph.snapshot import Parameter, Snapshot
-from course_kit.ros.watching.clients import client_of
+from course_kit.ros.subscriptions.clients import client_of
 
 TIMEOUT = 2.0  # seconds for all nodes to answer
 # Every node has these; QoS overrides are drawn as the QoS itself.

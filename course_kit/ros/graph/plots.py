@@ -26,7 +26,7 @@ from course_kit.ros.graph.drawing import (
 )
 from course_kit.ros.graph.layout import lay_out
 from course_kit.ros.graph.snapshot import Snapshot
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 
 CROWD = 30  # boxes
 # Lines of one topic have one of these, so that the eye can follow them through a crowd; none is near TROUBLE.
@@ -60,7 +60,7 @@ def check_part(node: Any, namespace: str | None) -> None:
 
 def observer() -> Node:
     """The node of the instruments, once it knows the whole graph as it is now."""
-    node = instruments.node()
+    node = observer_node.node()
     discovery.of(node, keep=True).wait()
     return node
 

@@ -18,8 +18,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 
-from course_kit.ros.internals import NotAsExpected
-from course_kit.ros.internals.rmw_parts import SerializedSubscription, is_fast_dds
+from course_kit.ros.private_api import NotAsExpected
+from course_kit.ros.private_api.rmw_parts import SerializedSubscription, is_fast_dds
 
 TOPIC = "rt/rosout"  # /rosout, as the middleware spells it
 DEPTH = 10_000

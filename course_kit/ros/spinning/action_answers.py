@@ -8,7 +8,7 @@ from typing import Any
 
 from rclpy.action import ActionClient
 
-from course_kit.ros.internals import going_on_without, rclpy_parts
+from course_kit.ros.private_api import going_on_without, rclpy_parts
 
 # An action client sends a request first and notes it down then. Where a cell sends and another thread spins, the answer
 # can come in between: it is dropped as unexpected, and the future stays open for ever. A Client has a lock against it.

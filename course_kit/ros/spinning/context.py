@@ -13,7 +13,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from course_kit.base.ending import shared_memory, watchdog
+from course_kit.base.shutdown import shared_memory, watchdog
 
 # Callbacks run outside any cell, so nothing they log may go to a cell's output: logs travel over /rosout alone.
 ARGUMENTS = ["--ros-args", "--disable-external-lib-logs", "--disable-stdout-logs"]

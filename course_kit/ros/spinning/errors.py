@@ -52,7 +52,7 @@ class CallbackError:
 
 
 KIT = Path(__file__).parents[2]
-EXECUTORS = [KIT / room for room in ("lab/background", "ros/internals", "ros/spinning")]
+EXECUTORS = [KIT / room for room in ("lab/background", "ros/private_api", "ros/spinning")]
 
 
 def _is_of_executors(path: Path) -> bool:

@@ -15,7 +15,7 @@ from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.task import Future
 
-from course_kit.ros.internals.rclpy_parts import fast_executor, is_fast, spin_some
+from course_kit.ros.private_api.rclpy_parts import fast_executor, is_fast, spin_some
 from course_kit.ros.spinning import BlockingWait, NodeStopped, stalls
 from course_kit.ros.spinning.nodes import actions_of, destroy
 

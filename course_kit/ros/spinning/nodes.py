@@ -12,7 +12,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from course_kit.ros.internals.rclpy_parts import end_state_machine, replace
+from course_kit.ros.private_api.rclpy_parts import end_state_machine, replace
 
 # rclpy 7.1.6 loses 0.1 MB with every node that has this service.
 WITHOUT_DESCRIPTIONS = [Parameter("start_type_description_service", value=False)]

@@ -11,9 +11,9 @@ from typing import Any
 
 import rclpy
 
-from course_kit.ros.internals import NotAsExpected, expect, going_on_without
-from course_kit.ros.internals.fastdds_parts import participants_listening
-from course_kit.ros.internals.rtps_parts import ask_all_to_announce
+from course_kit.ros.private_api import NotAsExpected, expect, going_on_without
+from course_kit.ros.private_api.fastdds_parts import participants_listening
+from course_kit.ros.private_api.rtps_parts import ask_all_to_announce
 from course_kit.ros.spinning import context
 
 _joining: Any = None

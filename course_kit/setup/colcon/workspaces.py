@@ -14,10 +14,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from course_kit.base.arguments import PATH, TEXT, takes
+from course_kit.base.atomic_files import writing
 from course_kit.base.long_tasks import LongTask, long_task
 from course_kit.base.programs import processes
 from course_kit.base.programs.child_process import Process
-from course_kit.base.whole_files import writing
 from course_kit.setup.colcon import sourcing, workspace_import
 from course_kit.setup.colcon.colcon_output import Build, queued
 

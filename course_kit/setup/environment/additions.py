@@ -14,8 +14,8 @@ from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 from course_kit.setup.environment import pins, stamp
+from course_kit.setup.environment.checks.python import RENEW, STATES
 from course_kit.setup.environment.interpreter import applicable
-from course_kit.setup.environment.python import RENEW, STATES
 
 SCRIPT = "environment-check.sh"
 WITH_GRADING = f"./{SCRIPT} lab --with-grading"

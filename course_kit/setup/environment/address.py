@@ -20,7 +20,7 @@ import psutil  # type: ignore[import-untyped]
 from jupyter_core.paths import jupyter_runtime_dir
 
 from course_kit.base.polling import wait_until
-from course_kit.setup.environment.notebook import START, has_browser
+from course_kit.setup.environment.checks.notebook import START, has_browser
 from course_kit.setup.environment.trust import sign
 
 TIMEOUT = 60.0

@@ -8,8 +8,9 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from course_kit.setup.environment import machine, network, notebook, python, ros, stamp
+from course_kit.setup.environment import stamp
 from course_kit.setup.environment.activation import RosInstallation, installations, sourced_ros
+from course_kit.setup.environment.checks import machine, network, notebook, python, ros
 from course_kit.setup.environment.interpreter import Interpreter, probe, this_interpreter
 from course_kit.setup.environment.report import Check, warn
 

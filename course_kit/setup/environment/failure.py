@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from course_kit.setup.environment.machine import NEEDED_DISK
+from course_kit.setup.environment.checks.machine import NEEDED_DISK
 
 OF_SET_UP = "./environment-check.sh"  # what such a command begins with
 FULL = 20  # MB: less than that and a disk counts as full, whatever the log says

@@ -41,7 +41,7 @@ def sources(root: Path) -> Iterator[Path]:
     yield from (
         kit / "setup/interfaces" / name for name in ("build_hook.py", "course_kit_environment.pth", "rosidl.py")
     )
-    yield kit / "base/ending/watchdog.c"
+    yield kit / "base/shutdown/watchdog.c"
     for folder in (
         kit / "setup/environment/prefix",
         *(p.parent for p in sorted(kit.glob("setup/interfaces/*/package.xml"))),

@@ -23,7 +23,7 @@ from course_kit.setup.environment.levels import GRADING, TEST  # noqa: E402
 from course_kit.setup.interfaces import rosidl  # noqa: E402
 
 PREFIX = ROOT / "course_kit/setup/environment/prefix"
-WATCHDOG = ROOT / "course_kit/base/ending/watchdog.c"
+WATCHDOG = ROOT / "course_kit/base/shutdown/watchdog.c"
 # The generators and the linker need these; their versions are those of the lock.
 BUILD_WHEELS = (
     "ros-rosidl-generator-py", "ros-rosidl-typesupport-fastrtps-c", "ros-action-msgs", "ros-geometry-msgs", "empy",

@@ -21,7 +21,7 @@ from course_kit.lab.calls.goals import STATES
 from course_kit.ros.spinning import action_answers, errors
 from course_kit.ros.spinning.executors import SpinThread
 from course_kit.ros.spinning.nodes import quiet_node
-from course_kit.ros.watching import clients, instruments
+from course_kit.ros.subscriptions import clients, observer_node
 from course_kit.views.forms.interface import Interface
 from course_kit.views.forms.sender import Sender, State
 
@@ -100,7 +100,7 @@ class GoalSender(_Background):
     def _talk(self, value: Any) -> None:
         self._cancelling.clear()
         goal = self._stamped(value)
-        watching = instruments.node()
+        watching = observer_node.node()
         node = quiet_node(f"{watching.get_name()}_goal_{next(_numbers)}", watching.context)
         executor = SingleThreadedExecutor(context=node.context)
         with contextlib.closing(SpinThread(node, partial(errors.report, node.get_name()), executor).start()):

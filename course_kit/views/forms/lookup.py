@@ -11,8 +11,8 @@ from course_kit.cli.ros2.messages.arguments import interface_class
 from course_kit.cli.ros2.verbs import CommandError, did_you_mean
 from course_kit.ros.graph import graph
 from course_kit.ros.interface_types import type_name
-from course_kit.ros.watching import instruments
-from course_kit.ros.watching.topics import absolute
+from course_kit.ros.subscriptions import observer_node
+from course_kit.ros.subscriptions.topics import absolute
 from course_kit.views.forms.interface import ACTION, SERVICE, TOPIC, Interface
 
 _NOUNS = {"msg": TOPIC, "srv": SERVICE, "action": ACTION}
@@ -43,7 +43,7 @@ def find(name: str, given: Any, timeout: float) -> Interface:
 
 
 def _there(noun: str) -> graph.NamesAndTypes:
-    node = instruments.node()
+    node = observer_node.node()
     if noun == ACTION:
         return graph.actions(node)
     return graph.topics(node, True) if noun == TOPIC else graph.services(node, True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from course_kit.cli.ros2.messages.values import populate, stamp
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from course_kit.views.forms.interface import Interface
 
 
@@ -53,5 +53,5 @@ class Sender:
 
     def _stamped(self, value: Any) -> Any:
         message, times = self._filled(value)
-        stamp(times, *instruments.node().get_clock().now().seconds_nanoseconds())
+        stamp(times, *observer_node.node().get_clock().now().seconds_nanoseconds())
         return message

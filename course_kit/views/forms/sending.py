@@ -10,7 +10,7 @@ from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import qos_policy_name_from_kind
 
 from course_kit.cli.ros2.messages.values import stamp
-from course_kit.ros.watching import instruments
+from course_kit.ros.subscriptions import observer_node
 from course_kit.views.forms.calling import GoalSender, ServiceCaller
 from course_kit.views.forms.interface import ACTION, SERVICE, Interface
 from course_kit.views.forms.sender import Sender, State
@@ -26,7 +26,7 @@ class Publishing(Sender):
 
     def __init__(self, interface: Interface) -> None:
         super().__init__(interface)
-        self._node, self._executor = instruments.node(), instruments.executor()
+        self._node, self._executor = observer_node.node(), observer_node.executor()
         self._timer: Any = None
         self._rate = 0.0
         self._sent = 0

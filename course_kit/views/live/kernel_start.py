@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from course_kit.base import kernel
 from course_kit.cli.ros2 import magic
 from course_kit.lab.background import guards
-from course_kit.ros import internals
-from course_kit.ros.internals.inspect_parts import know_cell
+from course_kit.ros import private_api as internals
+from course_kit.ros.private_api.inspect_parts import know_cell
 from course_kit.views.live import console, described, node_text, process_console, progress_bar, tabs, tracebacks
 
 if TYPE_CHECKING:

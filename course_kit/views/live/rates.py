@@ -6,12 +6,12 @@ from typing import Any
 
 from course_kit.base.arguments import SPAN, takes
 from course_kit.lab.node_logs import rosout
-from course_kit.lab.recordings import meters
-from course_kit.lab.recordings.measure import Reading
-from course_kit.lab.recordings.meters import RateMeter, bandwidth_text, delay_text
+from course_kit.lab.recordings import rates
+from course_kit.lab.recordings.rate_statistics import Reading
+from course_kit.lab.recordings.rates import RateMeter, bandwidth_text, delay_text
 from course_kit.ros.graph import graph
 from course_kit.ros.spinning import context
-from course_kit.ros.watching import instruments, topics
+from course_kit.ros.subscriptions import observer_node, topics
 from course_kit.views.live.shown import Bundle
 from course_kit.views.live.view import LONGEST, LiveView, as_tables
 
@@ -30,8 +30,8 @@ def watch_rates(*wanted: Any, last: float = 3.0, period: float = PERIOD, seconds
     """
     context.start()
     rosout.collect()
-    types = topics.look_up(instruments.node(), topics.with_types(wanted), 10.0) if wanted else {}
-    meter = RateMeter(types, meters.WINDOW)
+    types = topics.look_up(observer_node.node(), topics.with_types(wanted), 10.0) if wanted else {}
+    meter = RateMeter(types, rates.WINDOW)
 
     def draw() -> Bundle:
         if not wanted:
@@ -43,7 +43,7 @@ def watch_rates(*wanted: Any, last: float = 3.0, period: float = PERIOD, seconds
 
 def _add_new(meter: RateMeter) -> None:
     """Measure what is published since the last look."""
-    node = instruments.node()
+    node = observer_node.node()
     for topic in topics.published(node):
         types = {publisher.topic_type for publisher in topics.publishers(node, topic)}
         if topic in meter.topics or graph.is_hidden(topic) or len(types) != 1:
@@ -63,7 +63,7 @@ def rates_tables(meter: RateMeter, last: float) -> list[str | list[tuple[str, ..
 
 
 def _row(topic: str, reading: Reading) -> tuple[str, ...]:
-    publishers = sorted({topics.node_name(one) for one in topics.publishers(instruments.node(), topic)})
+    publishers = sorted({topics.node_name(one) for one in topics.publishers(observer_node.node(), topic)})
     who = publishers[0] if len(publishers) == 1 else f"{len(publishers)} nodes" if publishers else "nobody"
     lost, age = f"{reading.lost:,}", f"{reading.age:.1f} s"
     if not reading.messages:

@@ -22,9 +22,9 @@ from tf2_msgs.msg import TFMessage
 from course_kit.robots.navigation.messages import place_of, points_of, rays_of, stamped_pose
 from course_kit.robots.navigation.places import Place, hits
 from course_kit.robots.robot.picture import Cells
-from course_kit.ros.watching import instruments, topics
-from course_kit.ros.watching.listening import close_all
-from course_kit.ros.watching.raw_subscriptions import Callback, RawSubscription
+from course_kit.ros.subscriptions import observer_node, topics
+from course_kit.ros.subscriptions.listening import close_all
+from course_kit.ros.subscriptions.raw_subscriptions import Callback, RawSubscription
 from course_kit.views.live.seen_robot import SeenRobot, in_numbers
 
 PARTICLES = 500  # that are drawn, at most
@@ -50,7 +50,7 @@ class RobotTopics:
         self._readers: dict[str, tuple[Any, Callable[[Any], None]]] = {}
         self._subscriptions: dict[str, RawSubscription] = {}
         self.odometry, self.goals = self.absolute("odom"), self.absolute("goal_pose")
-        self._node, self._executor = instruments.node(), instruments.executor()
+        self._node, self._executor = observer_node.node(), observer_node.executor()
         self._goals = self._node.create_publisher(PoseStamped, self.goals, 5)
         self._listen(self.odometry, Odometry, SENSED, self._on_odometry)
         self._listen(self.absolute("scan"), LaserScan, SENSED, self._on_scan)
@@ -116,7 +116,7 @@ class RobotTopics:
 
     def _subscribe(self, topic: str, message_type: Any, qos: dict[str, Any], callback: Callback) -> None:
         try:
-            subscription = instruments.subscribe_exactly(topic, callback, message_type, QoSProfile(depth=10, **qos))
+            subscription = observer_node.subscribe_exactly(topic, callback, message_type, QoSProfile(depth=10, **qos))
             self._subscriptions[topic] = subscription
         except TypeError as error:
             self.refused.append(f"{topic} is not drawn: {error}.")

@@ -21,9 +21,9 @@ from turtlesim.msg import Color, Pose
 from course_kit.robots.turtlesim import drawing_report
 from course_kit.robots.turtlesim.field import MIDDLE
 from course_kit.robots.turtlesim.seen_field import SeenField
-from course_kit.ros.watching import clients, instruments, topics
-from course_kit.ros.watching.listening import close_all
-from course_kit.ros.watching.raw_subscriptions import Callback, RawSubscription
+from course_kit.ros.subscriptions import clients, observer_node, topics
+from course_kit.ros.subscriptions.listening import close_all
+from course_kit.ros.subscriptions.raw_subscriptions import Callback, RawSubscription
 
 POSE = "turtlesim/msg/Pose"
 BACKGROUND = ("background_r", "background_g", "background_b")
@@ -55,7 +55,7 @@ class TurtleTopics:
         self._poses: dict[str, RawSubscription] = {}
         self._others: dict[str, RawSubscription] = {}
         topic = self.pose_topic(turtle)
-        self._poses[turtle] = instruments.subscribe(topic, self._receiver(self._on_pose, turtle), POSE)
+        self._poses[turtle] = observer_node.subscribe(topic, self._receiver(self._on_pose, turtle), POSE)
         self._listen("/parameter_events", ParameterEvent, self._receiver(self._on_parameters), QoSProfile(depth=100))
         self._listen(self._drawing, String, self._receiver(self._on_drawing), drawing_report.LATCHED)
         self.look()
@@ -104,11 +104,11 @@ class TurtleTopics:
         for name in there.keys() - self._poses.keys():
             qos = topics.qos_for(self.pose_topic(name), there[name])
             receiver = self._receiver(self._on_pose, name)
-            self._poses[name] = instruments.subscribe_exactly(
+            self._poses[name] = observer_node.subscribe_exactly(
                 self.pose_topic(name), receiver, Pose, qos, lambda _: None
             )
         self._published_once = {name for name, publishers in there.items() if len(publishers) == 1}
-        tells = bool(instruments.node().count_publishers(self._drawing))
+        tells = bool(observer_node.node().count_publishers(self._drawing))
         self.field.is_told = self.field.is_told and tells
         if not self.field.is_told:
             for name in there.keys() - self.field.turtles.keys():
@@ -127,12 +127,12 @@ class TurtleTopics:
         for name in turtles:
             topic = self.absolute(f"{name}/color_sensor")
             if topic not in self._others:
-                qos = topics.qos_for(topic, topics.publishers(instruments.node(), topic))
+                qos = topics.qos_for(topic, topics.publishers(observer_node.node(), topic))
                 self._listen(topic, Color, self._receiver(self._on_color, name), qos)
 
     def _published(self) -> dict[str, list[TopicEndpointInfo]]:
         """The turtles whose poses somebody publishes, with the publishers."""
-        node, found = instruments.node(), {}
+        node, found = observer_node.node(), {}
         for topic, types in node.get_topic_names_and_types():
             if POSE in types and topic.startswith(self._prefix) and topic.endswith("/pose"):
                 name = topic[len(self._prefix) : -len("/pose")]
@@ -146,7 +146,7 @@ class TurtleTopics:
     # What comes: noted in the watching thread, and happens in that of take().
 
     def _listen(self, topic: str, message_type: Any, callback: Callback, qos: QoSProfile) -> None:
-        self._others[topic] = instruments.subscribe_exactly(topic, callback, message_type, qos, lambda _: None)
+        self._others[topic] = observer_node.subscribe_exactly(topic, callback, message_type, qos, lambda _: None)
 
     def _receiver(self, act: Callable[..., None], *arguments: Any) -> Callback:
         came = self._came

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from course_kit.lab.recordings.meters import rates
+from course_kit.lab.recordings.rates import rates
 from tests.benchmark.programs.reporting import report
 from tests.senders import Sender
 

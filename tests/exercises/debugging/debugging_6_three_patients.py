@@ -18,7 +18,7 @@ SHORT_QUEUE = changed(
 ALL_ANEW = """
 stop()
 faults.stop()
-from course_kit.exercises.faults.surroundings import source_robot
+from course_kit.exercises.faults.terminals import source_robot
 source_robot()
 for program in ("simulator", "scanner", "map_server"):
     start(f"ros2 run patrol {program}", name=program)

@@ -40,7 +40,7 @@ class Monitor(LifecycleNode):
 ELAPSED = """
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-class Watched:
+class WatchedTopic:
     def __init__(self, node, topic, kind, rate):
         self.topic, self.rate, self.count, self.since = topic, rate, 0, time.perf_counter()
         node.create_subscription(kind, topic, self.on_message, qos_profile_sensor_data)
@@ -56,7 +56,7 @@ class Watched:
 class Monitor(Node):
     def __init__(self):
         Node.__init__(self, "monitor")
-        self.watched = [Watched(self, "scan", LaserScan, 10.0), Watched(self, "turtle1/pose", Pose, 62.5)]
+        self.watched = [WatchedTopic(self, "scan", LaserScan, 10.0), WatchedTopic(self, "turtle1/pose", Pose, 62.5)]
         self.out = self.create_publisher(DiagnosticArray, "diagnostics", 1)
         self.create_timer(1.0, self.report)
 

@@ -11,7 +11,7 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any
 
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 from course_kit.cli.ros2.completion import fields_of
 from course_kit.cli.ros2.named import ACTIONS
 from course_kit.cli.ros2.servers import ANSWER_TIMEOUT, outcome, wait_for_server
@@ -29,7 +29,7 @@ def _run(args: Namespace, session: Session) -> None:
     from course_kit.cli.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.cli.ros2.messages.values import stamp
     from course_kit.ros.spinning import action_answers
-    from course_kit.ros.watching.clients import meet_server
+    from course_kit.ros.subscriptions.clients import meet_server
 
     kind = interface_class(args.action_type, "action")
     goal = kind.Goal()

@@ -107,7 +107,7 @@ def qos_overrides(file: IO[str] | None) -> dict[str, QoSProfile]:
 def selection(args: Namespace, names: Sequence[str], every: bool, **more: Any) -> Selection:
     """The topics that the command line asks for. CommandError for what is no name or no regular expression."""
     from course_kit.lab.bags.selection import Selection
-    from course_kit.ros.watching import topics
+    from course_kit.ros.subscriptions import topics
 
     for pattern in (args.regex, args.exclude_regex):
         compiled(pattern, ERROR.format("'{}' is no regular expression: {}"))

@@ -69,7 +69,7 @@ def _run(
 ) -> int:
     """Play until the end, or until something ends it."""
     from course_kit.lab.bags.player import Player
-    from course_kit.ros.watching import topics
+    from course_kit.ros.subscriptions import topics
 
     with failing_with(ValueError):
         player = Player(bag, wanted, partial(options.show, session=session, log_level=log_level))
@@ -104,7 +104,7 @@ def _options(args: Namespace) -> PlayOptions:
     """What the command line asks for; CommandError for what cannot be."""
     from course_kit.lab.bags.player import PlayOptions
     from course_kit.lab.bags.selection import Selection
-    from course_kit.ros.watching import topics
+    from course_kit.ros.subscriptions import topics
 
     remap = {}
     with failing_with(ValueError):

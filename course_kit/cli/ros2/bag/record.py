@@ -9,7 +9,7 @@ from argparse import Namespace
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from course_kit.base.ending import watchdog
+from course_kit.base.shutdown import watchdog
 from course_kit.cli.ros2.bag import options
 from course_kit.cli.ros2.bag.options import EXCLUDE_REGEX, REGEX, SHARED, failed, failing_with
 from course_kit.cli.ros2.completion import names_of
@@ -50,7 +50,7 @@ def _record(args: Namespace, session: Session) -> int:
 
     custom = _custom_data(args.custom_data)
 
-    from course_kit.base.whole_files import reason_of
+    from course_kit.base.atomic_files import reason_of
     from course_kit.cli.ros2.bag.keys import keys
     from course_kit.cli.ros2.messages.arguments import checked_node_name
     from course_kit.lab.bags.recorder import Recorder

@@ -17,7 +17,7 @@ from course_kit.cli.ros2.doctor.checks import Pair, System, Topic
 from course_kit.cli.ros2.session import Session
 from course_kit.cli.ros2.verbs import Verb, flag, one_of
 from course_kit.ros import packages
-from course_kit.ros.internals import package_version
+from course_kit.ros.private_api import package_version
 
 if TYPE_CHECKING:
     from rclpy.node import Node

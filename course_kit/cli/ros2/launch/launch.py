@@ -172,7 +172,7 @@ def _describe(path: str, args: Namespace, session: Session) -> None:
 
 
 def _launch(path: str, values: dict[str, str], argv: list[str], args: Namespace) -> int:
-    from course_kit.base.ending import watchdog
+    from course_kit.base.shutdown import watchdog
     from course_kit.cli.launching.entities import LaunchDescription
     from course_kit.cli.launching.include import AnyLaunchDescriptionSource, IncludeLaunchDescription
     from course_kit.cli.launching.service import LaunchService

@@ -38,7 +38,7 @@ def call(session: Session, node_name: str, service: str, timeout: float | None, 
     """
     from lifecycle_msgs import srv  # type: ignore[import-untyped]
 
-    from course_kit.ros.watching.clients import client_of, meet_service
+    from course_kit.ros.subscriptions.clients import client_of, meet_service
 
     kind, doing = getattr(srv, KINDS[service]), f"calling service of node '{node_name}'"
     if timeout is None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from course_kit.cli.ros2.messages.values import NotYaml, parse, populate
 from course_kit.cli.ros2.verbs import CommandError, did_you_mean, failing
-from course_kit.ros.internals.import_parts import arrays_later
+from course_kit.ros.private_api.import_parts import arrays_later
 
 _PARTS = {
     "msg": ("get_fields_and_field_types",),

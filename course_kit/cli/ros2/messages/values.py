@@ -18,7 +18,7 @@ from rosidl_parser.definition import (  # type: ignore[import-untyped]
 from course_kit.cli.ros2.messages.yaml_text import fields
 from course_kit.cli.ros2.verbs import one_line
 from course_kit.ros.interface_types import message_class
-from course_kit.ros.internals.rosidl_parts import check_fields
+from course_kit.ros.private_api.rosidl_parts import check_fields
 
 HEADER = ("std_msgs", "msg", "Header")
 TIME = ("builtin_interfaces", "msg", "Time")

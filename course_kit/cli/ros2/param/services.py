@@ -15,7 +15,7 @@ def call(session: Session, node_name: str, service: str, **request: Any) -> Any:
     """The response of a node's parameter service, such as get_parameters. CommandError if the node does not answer."""
     from rcl_interfaces import srv  # type: ignore[import-untyped]
 
-    from course_kit.ros.watching import clients
+    from course_kit.ros.subscriptions import clients
 
     kind, name = getattr(srv, service.title().replace("_", "")), f"{node_name}/{service}"
     silence = (

@@ -11,7 +11,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from course_kit.base.whole_files import write_whole, writing
+from course_kit.base.atomic_files import write_whole, writing
 
 TEMPLATES = Path(__file__).with_name("templates")
 # Licenses that come with their text, in the order of the real command.

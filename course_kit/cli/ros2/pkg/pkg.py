@@ -57,7 +57,7 @@ def _xml(args: Namespace, session: Session) -> None:
 def _create(args: Namespace, session: Session) -> None:
     import shutil
 
-    from course_kit.base.whole_files import NotWritten, reason_of, write_whole
+    from course_kit.base.atomic_files import NotWritten, reason_of, write_whole
     from course_kit.cli.ros2.pkg import create
 
     if args.license == "?":

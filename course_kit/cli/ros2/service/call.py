@@ -17,7 +17,7 @@ def _run(args: Namespace, session: Session) -> None:
     session.join()
     from course_kit.cli.ros2.messages.arguments import checked_name, filled, interface_class, parsed
     from course_kit.cli.ros2.messages.values import stamp
-    from course_kit.ros.watching.clients import client_of, meet_service
+    from course_kit.ros.subscriptions.clients import client_of, meet_service
 
     if args.rate is not None and args.rate <= 0:
         raise CommandError("rate must be greater than zero")

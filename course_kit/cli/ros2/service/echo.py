@@ -21,7 +21,7 @@ def _run(args: Namespace, session: Session) -> None:
 
     from course_kit.cli.ros2.topic import endpoints
     from course_kit.cli.ros2.topic.echo import Arrivals
-    from course_kit.ros.watching import instruments, topics
+    from course_kit.ros.subscriptions import observer_node, topics
 
     kind = _service_class(session, args).Event
     name = f"{args.service_name}/_service_event"
@@ -32,7 +32,7 @@ def _run(args: Namespace, session: Session) -> None:
 
     qos = QoSPresetProfiles.get_from_short_key("services_default")
     with endpoints.refused(topic):
-        subscription = instruments.subscribe_exactly(topic, arrivals.put, kind, qos, note_mismatch)
+        subscription = observer_node.subscribe_exactly(topic, arrivals.put, kind, qos, note_mismatch)
     try:
         timeout = topics.MATCH_TIMEOUT if topics.publishers(node, topic) else 0.0
         if not session.until(lambda: subscription.publisher_count, timeout):

@@ -35,7 +35,7 @@ def _info(args: Namespace, session: Session) -> None:
 
 def _ends(node: Node, service: str, kind: Sequence[str]) -> Iterator[tuple[TopicEndpointInfo, TopicEndpointInfo]]:
     """The endpoint for requests and that for responses of each client or server."""
-    from course_kit.ros.internals.rmw_parts import service_topics
+    from course_kit.ros.private_api.rmw_parts import service_topics
 
     requests, responses = service_topics(service)
     writers, readers = node.get_publishers_info_by_topic, node.get_subscriptions_info_by_topic
@@ -50,7 +50,7 @@ def _ends(node: Node, service: str, kind: Sequence[str]) -> Iterator[tuple[Topic
 
 
 def _owner(info: TopicEndpointInfo) -> tuple[str, str, tuple[int, ...]]:
-    from course_kit.ros.internals.fastdds_parts import PARTICIPANT_SIZE
+    from course_kit.ros.private_api.fastdds_parts import PARTICIPANT_SIZE
 
     return info.node_name, info.node_namespace, tuple(info.endpoint_gid[:PARTICIPANT_SIZE])
 

@@ -20,7 +20,7 @@ from course_kit.cli.ros2.named import TOPICS
 from course_kit.cli.ros2.session import Session
 from course_kit.cli.ros2.topic import endpoints
 from course_kit.cli.ros2.verbs import GRAPH, Verb, argument, duration, failing, flag, positive_float
-from course_kit.ros.internals.import_parts import arrays_later
+from course_kit.ros.private_api.import_parts import arrays_later
 
 WAITING = 1000  # messages that may wait to be printed
 TICK = 0.02  # seconds without a message after which other things are looked at
@@ -57,7 +57,7 @@ def _run(args: Namespace, session: Session) -> None:
 
 def _message_class(session: Session, args: Namespace) -> Any:
     from course_kit.cli.ros2.messages.arguments import interface_class
-    from course_kit.ros.watching import topics
+    from course_kit.ros.subscriptions import topics
 
     if args.message_type is not None:
         kind = interface_class(args.message_type, "msg")
@@ -101,7 +101,7 @@ def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Itera
 
     With a QoS on the command line it is that one, exactly, and a line says so if it fits no publisher.
     """
-    from course_kit.ros.watching import instruments, topics
+    from course_kit.ros.subscriptions import observer_node, topics
 
     arrivals, node = Arrivals(), session.node
 
@@ -111,12 +111,12 @@ def _messages(session: Session, args: Namespace, topic: str, kind: Any) -> Itera
     if endpoints.is_chosen(args):
         qos = endpoints.chosen(args)
         with endpoints.refused(topic):
-            subscription = instruments.subscribe_exactly(topic, arrivals.put, kind, qos, note_mismatch)
+            subscription = observer_node.subscribe_exactly(topic, arrivals.put, kind, qos, note_mismatch)
     else:
         for line in endpoints.mixed_offers(topics.publishers(node, topic)):
             session.print(line)
         with failing(TypeError, ValueError, RuntimeError):
-            subscription = instruments.subscribe(topic, arrivals.put, kind)
+            subscription = observer_node.subscribe(topic, arrivals.put, kind)
     arrivals.lost = lambda: subscription.lost
     try:
         yield arrivals

@@ -110,7 +110,7 @@ def mixed_offers(published: Sequence[TopicEndpointInfo]) -> list[str]:
 
 def full_name(topic: str) -> str:
     """The full name of a topic. Raises CommandError for what cannot be one."""
-    from course_kit.ros.watching import topics
+    from course_kit.ros.subscriptions import topics
 
     with failing(ValueError):
         return topics.absolute(topic)
@@ -121,7 +121,7 @@ def type_of(session: Session, topic: str, waits: bool) -> str:
 
     With `waits` those who publish it decide, and one who has it is waited for.
     """
-    from course_kit.ros.watching import topics
+    from course_kit.ros.subscriptions import topics
 
     name, node = full_name(topic), session.graph()
     known = dict(node.get_topic_names_and_types())

@@ -32,7 +32,7 @@ from course_kit.cli.ros2.verbs import (
 )
 
 if TYPE_CHECKING:
-    from course_kit.lab.recordings.measure import ArrivalWindow
+    from course_kit.lab.recordings.rate_statistics import ArrivalWindow
 
 PERIOD = 1.0  # seconds between two lines
 LEAST = 3  # messages before hz says anything, as the real one: two periods
@@ -102,14 +102,14 @@ def _listening(
     session: Session, topic: str, size: int, clock: Clock, measured: Callable[[Any], Measured]
 ) -> Iterator[_Topic]:
     """A topic that is listened to while the block runs; `measured` gives what is kept of messages of a class."""
-    from course_kit.lab.recordings.measure import ArrivalWindow
-    from course_kit.ros.watching import instruments, topics
+    from course_kit.lab.recordings.rate_statistics import ArrivalWindow
+    from course_kit.ros.subscriptions import observer_node, topics
 
     name = endpoints.type_of(session, topic, waits=True)
     with failing(ImportError, TypeError, ValueError):
         kind = topics.message_class(name)
         heard = _Topic(ArrivalWindow(max(size, 2)), clock, measured(kind))
-        subscription = instruments.subscribe(endpoints.full_name(topic), heard.receiver(), kind, with_kept=False)
+        subscription = observer_node.subscribe(endpoints.full_name(topic), heard.receiver(), kind, with_kept=False)
     with closing(subscription):
         yield heard
 
@@ -145,7 +145,7 @@ def _delay_of(kind: Any) -> Measured:
 def _hz(args: Namespace, session: Session) -> None:
     import numpy as np
 
-    from course_kit.lab.recordings.measure import Reading, measure
+    from course_kit.lab.recordings.rate_statistics import Reading, measure
 
     measured = _size_of_matching(args.filter) if args.filter else _size
     names = list(dict.fromkeys([args.topic_name, *args.more_topics]))
@@ -169,7 +169,7 @@ def _hz(args: Namespace, session: Session) -> None:
 
 
 def _bw(args: Namespace, session: Session) -> None:
-    from course_kit.lab.recordings.measure import spread
+    from course_kit.lab.recordings.rate_statistics import spread
 
     with clock.chosen(session, args) as time, _listening(session, args.topic, args.window, time, _size) as heard:
         session.print(f"Subscribed to [{args.topic}]")
@@ -185,7 +185,7 @@ def _bw(args: Namespace, session: Session) -> None:
 
 
 def _delay(args: Namespace, session: Session) -> None:
-    from course_kit.lab.recordings.measure import spread
+    from course_kit.lab.recordings.rate_statistics import spread
 
     with clock.chosen(session, args) as time, _listening(session, args.topic, args.window, time, _delay_of) as heard:
         for _ in time.passes(session, PERIOD):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from course_kit.lab.recordings.measure import Reading, Spread
+    from course_kit.lab.recordings.rate_statistics import Reading, Spread
 
 _HEADINGS = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 

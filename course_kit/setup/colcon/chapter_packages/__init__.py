@@ -8,7 +8,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from course_kit.base.whole_files import write_whole, writing
+from course_kit.base.atomic_files import write_whole, writing
 from course_kit.setup.colcon.workspaces import Workspace
 
 FOLDER = Path(__file__).parent
