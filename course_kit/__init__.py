@@ -29,7 +29,7 @@ MODULES = {
     "lab.calls.service_calls": ("calls_of",),
     "lab.node_logs.log_directory": ("log_files",),
     "lab.node_logs.rosout": ("log_rates", "logs"),
-    "lab.recordings.meters": ("measure_rates", "rates"),
+    "lab.recordings.rates": ("measure_rates", "rates"),
     "lab.recordings.plots": ("plot_pose", "plot_rates"),
     "lab.recordings.recording": ("record",),
     "lab.replays.replay_plots": ("plot_comparison",),

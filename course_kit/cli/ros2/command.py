@@ -56,7 +56,7 @@ def parser_for(words: Sequence[str]) -> ArgumentParser:
     """The parser of a command line: complete for the command and the verb that it names, a line for each other."""
     description = DESCRIPTION + (OF_A_NOTEBOOK if in_kernel() else "")
     parser = _Parser(prog="ros2", description=description, formatter_class=RawDescriptionHelpFormatter)
-    flag("--use-python-default-buffering", "do not write each line at once where the output is no terminal")(parser)
+    flag("--use-python-default-buffering", "do not flush each line where the output is no terminal")(parser)
     named = [word for word in words if not word.startswith("-")]
     parsers = _subparsers(parser, COMMANDS, named)
     parser.set_defaults(verb=None, named=parser, words=words)

@@ -34,18 +34,18 @@ class Named:
     @property
     def hidden(self) -> Arguments:
         """The option that also shows hidden names."""
-        option = flag(f"--include-hidden-{self.noun}s", "also those that are hidden, by an underscore in the name")
+        option = flag(f"--include-hidden-{self.noun}s", "include hidden ones, with an underscore in the name")
         return option if self.can_hide else all_of()
 
     @property
     def shown(self) -> Arguments:
         """The options of verbs that list."""
-        return all_of(flag(f"-c --count-{self.noun}s", "only say how many there are"), self.hidden)
+        return all_of(flag(f"-c --count-{self.noun}s", "print only the number"), self.hidden)
 
     def verbs(self) -> dict[str, Verb]:
         """The verbs that all have."""
         kind = argument(f"{self.noun}_type", f"the type, such as {self.example_type}", types_in_use(self.noun))
-        with_types = flag("-t --show-types", "with their types")
+        with_types = flag("-t --show-types", "show their types")
         return {
             "find": Verb(f"list the {self.noun}s of a type", self._find, GRAPH, kind, self.shown),
             "list": Verb(f"list the {self.noun}s", self.list, GRAPH, with_types, self.shown),

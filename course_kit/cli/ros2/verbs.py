@@ -113,7 +113,12 @@ def refuse_device(path: str) -> None:
 
 
 def argument(names: str, help: str, offer: Callable[..., list[str]] | None = None, **settings: Any) -> Arguments:
-    """An argument or an option, its names separated by spaces; Tab offers for it what a completer knows."""
+    """An argument or an option, its names separated by spaces; Tab offers for it what a completer knows.
+
+    A help that speaks of N has N for the value.
+    """
+    if re.search(r"\bN(?:th)?\b", help):
+        settings = {"metavar": "N", **settings}
 
     def add(parser: Any) -> None:
         parser.add_argument(*names.split(), help=help, **settings).completer = offer
@@ -197,7 +202,7 @@ def background(parser: Any) -> None:
 
 # The options of verbs that have a node of their own, and of those that read the graph.
 NODE = all_of(
-    argument("--spin-time", "look for others for so many seconds; without it until all are known", type=seconds),
-    flag("-s --use-sim-time", "take the time from /clock"),
+    argument("--spin-time", "look for other nodes for N seconds (default: until all are known)", type=seconds),
+    flag("-s --use-sim-time", "use simulated time, from /clock"),
 )
-GRAPH = all_of(NODE, flag("--no-daemon", "accepted: there is no daemon here"))
+GRAPH = all_of(NODE, flag("--no-daemon", "ignored: there is no daemon here"))

@@ -117,5 +117,5 @@ SEND_GOAL = Verb(
     ACTIONS.name,
     ACTIONS.typed("action_type"),
     yaml_values("goal", "{order: 10}", fields_of("action", "action_type")),
-    flag("-f --feedback", "show the feedback that comes meanwhile"),
+    flag("-f --feedback", "print the feedback, too"),
 )

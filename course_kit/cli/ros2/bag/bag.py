@@ -58,12 +58,12 @@ def _reindex(args: Namespace, session: Session) -> None:
 
 VERBS: dict[str, Verb | str] = {
     "info": Verb(
-        "show what a bag holds",
+        "show the contents of a bag",
         _info,
         BAG,
         one_of(
-            flag("-t --topic-name", "only the names of the topics"),
-            flag("-v --verbose", "with how many bytes the messages of each topic take"),
+            flag("-t --topic-name", "print only the names of the topics"),
+            flag("-v --verbose", "print the size of each topic's messages, too"),
         ),
         argument("--sort", "the order of the topics (default: name)", default="name", choices=text.SORTING),
     ),

@@ -32,22 +32,22 @@ def _existing_path(text: str) -> str:
 
 def _bag(**settings: Any) -> Arguments:
     return all_of(
-        argument("bag_path", "the bag: its folder, or one file of it", type=_existing_path, **settings),
-        argument("-s --storage", "accepted: the files tell by themselves", default="", choices=STORAGES),
+        argument("bag_path", "the bag: its folder, or one of its files", type=_existing_path, **settings),
+        argument("-s --storage", "ignored: the storage is detected", default="", choices=STORAGES),
     )
 
 
 BAG = _bag()
 BAGS = all_of(
     _bag(nargs="?"),
-    argument("-i --input", "a bag; give it once for each of several", nargs="+", action="append", metavar="URI"),
+    argument("-i --input", "a bag; repeat the option for several bags", nargs="+", action="append", metavar="URI"),
 )
-REGEX = argument("-e --regex", "topics that this regular expression finds", default="")
-EXCLUDE_REGEX = argument("-x --exclude-regex", "none that this regular expression finds", default="")
+REGEX = argument("-e --regex", "include topics that match this regular expression", default="")
+EXCLUDE_REGEX = argument("-x --exclude-regex", "exclude topics that match this regular expression", default="")
 SHARED = all_of(
-    argument("--qos-profile-overrides-path", "a YAML file, QoS policies by topic", type=FileType(encoding="utf-8")),
+    argument("--qos-profile-overrides-path", "a YAML file with QoS policies by topic", type=FileType(encoding="utf-8")),
     flag("--disable-keyboard-controls", "take no keys from the terminal"),
-    argument("--log-level", "the least that is worth a line (default: info)", default="info", choices=LEVELS),
+    argument("--log-level", "the lowest level that is logged (default: info)", default="info", choices=LEVELS),
 )
 
 

@@ -110,10 +110,10 @@ COMMAND = Verb(
     "check this machine, the packages and the graph",
     _doctor,
     one_of(
-        flag("--report -r", "in place of the checks, show everything that they look at"),
-        flag("--report-failed -rf", "show what the checks that fail look at"),
+        flag("--report -r", "print everything that the checks look at, in place of the checks"),
+        flag("--report-failed -rf", "print everything that the failed checks look at"),
     ),
     flag("--exclude-packages -ep", "leave the packages out"),
-    flag("--include-warnings -iw", "let warnings fail a check too"),
+    flag("--include-warnings -iw", "count warnings as failures"),
 )
 VERBS = {"hello": "doctor.hello:HELLO"}

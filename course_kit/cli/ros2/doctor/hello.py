@@ -141,24 +141,24 @@ def summary(
 
 _ttl = number(int, lambda value: value > 0, "value must be a positive int", 255)
 HELLO = Verb(
-    "say hello to other machines, and count who answers",
+    "say hello to other machines, and count the answers",
     _hello,
-    argument("-t --topic", "the topic to say it on (default: /canyouhearme)", default="/canyouhearme"),
+    argument("-t --topic", "the topic of the hello (default: /canyouhearme)", default="/canyouhearme"),
     argument(
         "-ep --emit-period",
-        "seconds from one to the next (default: 0.1)",
+        "the seconds between two hellos (default: 0.1)",
         metavar="N",
         type=positive_float,
         default=0.1,
     ),
     argument(
         "-pp --print-period",
-        "seconds that a table is about (default: 1)",
+        "the seconds that a table covers (default: 1)",
         metavar="N",
         type=positive_float,
         default=1.0,
     ),
-    argument("--ttl", "how many routers a datagram may pass (default: the system's)", metavar="N", type=_ttl),
-    flag("-1 --once", "say it once, show the table and end"),
+    argument("--ttl", "the number of routers that a datagram may pass (default: the system's)", metavar="N", type=_ttl),
+    flag("-1 --once", "say it once, print the table and end"),
     duration,
 )

@@ -176,14 +176,14 @@ VERBS = {
         "print the fields of a type as YAML to fill in",
         _proto,
         _type("geometry_msgs/msg/Twist"),
-        flag("--no-quotes", "without quotes around it"),
+        flag("--no-quotes", "print no quotes around it"),
     ),
     "show": Verb(
         "show the definition of a type",
         _show,
         one_of(
-            flag("--all-comments", "also the comments of the types inside it"),
-            flag("--no-comments", "no comments, no empty lines"),
+            flag("--all-comments", "print the comments of nested types, too"),
+            flag("--no-comments", "print no comments and no empty lines"),
         ),
         _type("std_msgs/msg/String; - reads it from the standard input", type=_or_from_stdin),
     ),

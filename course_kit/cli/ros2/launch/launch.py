@@ -188,17 +188,17 @@ def _launch(path: str, values: dict[str, str], argv: list[str], args: Namespace)
 
 
 COMMAND = Verb(
-    "start what a launch file describes",
+    "start the processes of a launch file",
     _run,
     flag("-n --noninteractive", "there is no terminal: send SIGINT to all processes at the end"),
-    flag("-d --debug", "show debug messages of the launch too"),
+    flag("-d --debug", "print debug messages of the launch, too"),
     one_of(
-        flag("-p --print --print-description", "only print what the launch file describes"),
-        flag("-s --show-args --show-arguments", "only print the arguments of the launch file"),
+        flag("-p --print --print-description", "print the description and start nothing"),
+        flag("-s --show-args --show-arguments", "print the arguments of the launch file and start nothing"),
     ),
-    flag("-a --show-all-subprocesses-output", "show what all processes write, whatever the launch file says"),
-    argument("--launch-prefix", "words that go before all commands, in quotes, such as 'xterm -e gdb -ex run --args'"),
-    argument("--launch-prefix-filter", "only before executables whose name this regular expression matches"),
+    flag("-a --show-all-subprocesses-output", "print the output of all processes, whatever the launch file says"),
+    argument("--launch-prefix", "words before all commands, in quotes, such as 'xterm -e gdb -ex run --args'"),
+    argument("--launch-prefix-filter", "put them only before executables whose name matches this regular expression"),
     duration,
     argument("package_name", "the package of the launch file, or its path", _offer_packages_and_files),
     argument(

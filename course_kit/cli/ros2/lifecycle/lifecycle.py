@@ -78,11 +78,11 @@ def _labels(args: Namespace) -> list[str]:
 
 _HIDDEN = "also nodes that are hidden, by an underscore in the name"
 _INCLUDE_HIDDEN = flag("--include-hidden-nodes", _HIDDEN)
-_TIMEOUT = argument("--timeout", "wait at most so many seconds for an answer", metavar="N", type=positive_float)
+_TIMEOUT = argument("--timeout", "wait at most N seconds for an answer", metavar="N", type=positive_float)
 _NODE = argument("node_name", "the node, such as /lc_talker", _names)
 VERBS = {
     "get": Verb(
-        "say which state a lifecycle node is in, or each of them",
+        "show the state of a lifecycle node, or of all",
         _get,
         GRAPH,
         argument("node_name", "the node (default: all)", _names, nargs="?"),
@@ -96,17 +96,17 @@ VERBS = {
         _NODE,
         _INCLUDE_HIDDEN,
         _TIMEOUT,
-        flag("-a --all", "those of every state"),
+        flag("-a --all", "list the transitions of every state"),
     ),
     "nodes": Verb(
-        "list the nodes that have a lifecycle",
+        "list the lifecycle nodes",
         _nodes,
         GRAPH,
         flag("-a --all", _HIDDEN),
-        flag("-c --count-nodes", "only say how many there are"),
+        flag("-c --count-nodes", "print only the number"),
     ),
     "set": Verb(
-        "have a node make a transition",
+        "make a node do a transition",
         _set,
         GRAPH,
         _NODE,

@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 TRUNCATE_LENGTH = 128
 
 SHOWN = all_of(
-    flag("--full-length -f", "long arrays and strings whole"),
+    flag("--full-length -f", "print long arrays and strings in full"),
     argument(
         "--truncate-length -l",
-        f"how much of an array or a string is shown before '...' (default: {TRUNCATE_LENGTH})",
+        f"the number of elements or characters before '...' (default: {TRUNCATE_LENGTH})",
         type=number(int, lambda value: value >= 0, "value must be non-negative integer"),
         default=TRUNCATE_LENGTH,
     ),
-    flag("--no-arr", "only type and length of arrays"),
-    flag("--no-str", "only the length of strings"),
-    flag("--flow-style", "arrays in brackets, on one line"),
+    flag("--no-arr", "print only type and length of arrays"),
+    flag("--no-str", "print only the length of strings"),
+    flag("--flow-style", "print arrays in brackets, on one line"),
 )
 
 

@@ -61,17 +61,17 @@ def _info(args: Namespace, session: Session) -> None:
 
 VERBS = {
     "info": Verb(
-        "show what a node publishes, subscribes to, offers and uses",
+        "show the publishers, subscriptions, services and actions of a node",
         _info,
         GRAPH,
         argument("node_name", "the node, such as /turtlesim", node_names),
-        flag("--include-hidden", "with what is hidden, by an underscore in the name"),
+        flag("--include-hidden", "include hidden ones, with an underscore in the name"),
     ),
     "list": Verb(
         "list the nodes",
         _list,
         GRAPH,
-        flag("-a --all", "with those that are hidden, by an underscore in the name"),
-        flag("-c --count-nodes", "only say how many there are"),
+        flag("-a --all", "include hidden nodes, with an underscore in the name"),
+        flag("-c --count-nodes", "print only the number"),
     ),
 }

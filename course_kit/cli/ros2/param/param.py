@@ -184,22 +184,22 @@ def _load(args: Namespace, session: Session) -> None:
         _report(session, result, f"Set parameter {name}", f"Set parameter {name}")
 
 
-_HIDDEN = flag("--include-hidden-nodes", "also nodes that are hidden, by an underscore in the name")
+_HIDDEN = flag("--include-hidden-nodes", "include hidden nodes, with an underscore in the name")
 _TIMEOUT = argument(
-    "--timeout", "give the node so many seconds to appear (default: 1)", type=whole, default=1, metavar="N"
+    "--timeout", "wait at most N seconds for the node to appear (default: 1)", type=whole, default=1, metavar="N"
 )
 _NODE = all_of(GRAPH, argument("node_name", "the node, such as /turtlesim", node_names), _HIDDEN, _TIMEOUT)
 _PARAMETER = argument("parameter_name", "the parameter, such as background_r", parameter_names)
 VERBS = {
-    "delete": Verb("take a parameter from a node", _delete, _NODE, _PARAMETER),
+    "delete": Verb("delete a parameter of a node", _delete, _NODE, _PARAMETER),
     "describe": Verb(
-        "show type, purpose and limits of parameters",
+        "show type, description and limits of parameters",
         _describe,
         _NODE,
         argument("parameter_names", "the parameters", parameter_names, nargs="+"),
     ),
     "dump": Verb("print the parameters of a node as a parameter file", _dump, _NODE),
-    "get": Verb("print a parameter", _get, _NODE, _PARAMETER, flag("--hide-type", "the value alone")),
+    "get": Verb("print a parameter", _get, _NODE, _PARAMETER, flag("--hide-type", "print only the value")),
     "list": Verb(
         "list the parameters of a node, or of all",
         _list,
@@ -207,16 +207,16 @@ VERBS = {
         argument("node_name", "the node (default: all)", node_names, nargs="?"),
         _HIDDEN,
         _TIMEOUT,
-        argument("--param-prefixes", "only those below these names", nargs="+", default=[]),
-        flag("--param-type", "with their types"),
-        argument("--filter", "only those that this regular expression finds"),
+        argument("--param-prefixes", "list only parameters below these prefixes", nargs="+", default=[]),
+        flag("--param-type", "show their types"),
+        argument("--filter", "list only parameters that match this regular expression"),
     ),
     "load": Verb(
-        "set the parameters of a node that a parameter file names",
+        "set parameters of a node from a parameter file",
         _load,
         _NODE,
-        argument("parameter_file", "the file, YAML"),
-        flag("--no-use-wildcard", "without those that the file gives to all nodes, below /**"),
+        argument("parameter_file", "the file, in YAML"),
+        flag("--no-use-wildcard", "leave out the values that the file gives to all nodes, below /**"),
     ),
     "set": Verb("set a parameter", _set, _NODE, _PARAMETER, argument("value", "its new value, as YAML")),
 }

@@ -132,24 +132,29 @@ def _email() -> str:
 
 VERBS = {
     "create": Verb(
-        "make the folders and files of a new package",
+        "create a new package",
         _create,
         argument("name", "the name of the package", metavar="package_name"),
         argument(
-            "--package-format --package_format", "of package.xml", dest="format", type=int, default=3, choices=[2, 3]
+            "--package-format --package_format",
+            "of package.xml",
+            dest="format",
+            type=int,
+            default=3,
+            choices=[2, 3],
         ),
-        argument("--description", "for package.xml", default="TODO: Package description"),
+        argument("--description", "the description in package.xml", default="TODO: Package description"),
         argument(
             "--license",
-            "any text; if it names a license that is known, LICENSE is made too (? for a list)",
+            "any text; a known license gets a file LICENSE, too (? prints a list)",
             default="TODO: License declaration",
         ),
-        argument("--destination-directory", "the folder for the package's own folder", default=os.curdir),
+        argument("--destination-directory", "the folder in which the package's folder is made", default=os.curdir),
         argument(
-            "--build-type", "how it is built", default="ament_cmake", choices=["cmake", "ament_cmake", "ament_python"]
+            "--build-type", "the build type", default="ament_cmake", choices=["cmake", "ament_cmake", "ament_python"]
         ),
-        argument("--dependencies", "packages that it needs", nargs="+", default=[]),
-        argument("--maintainer-email", "the maintainer's address", dest="email"),
+        argument("--dependencies", "packages that it depends on", nargs="+", default=[]),
+        argument("--maintainer-email", "the maintainer's e-mail address", dest="email"),
         argument("--maintainer-name", "the maintainer's name", dest="maintainer"),
         argument("--node-name", "make an executable of that name", dest="node"),
         argument("--library-name", "make a library of that name", dest="library"),
@@ -158,9 +163,9 @@ VERBS = {
         "list the executables of all packages, or of one",
         _executables,
         argument("package_name", "the package", package_names, nargs="?"),
-        flag("--full-path", "with their paths"),
+        flag("--full-path", "print their paths"),
     ),
-    "list": Verb("list the packages that are there", _list),
+    "list": Verb("list the packages", _list),
     "prefix": Verb("show where a package is installed", _prefix, NAME, flag("--share", "its share directory")),
     "xml": Verb(
         "show the manifest of a package", _xml, NAME, argument("-t --tag", "only this element of it, such as version")

@@ -55,7 +55,7 @@ def _run(args: Namespace, session: Session) -> int:
 COMMAND = Verb(
     "start an executable of a package",
     _run,
-    argument("--prefix", "words that go before the executable, in quotes, such as 'gdb -ex run --args'"),
+    argument("--prefix", "words before the executable, in quotes, such as 'gdb -ex run --args'"),
     duration,
     argument("package_name", "the package", package_names),
     argument("executable_name", "the executable", offering(_executables)),

@@ -54,7 +54,7 @@ def _run(args: Namespace, session: Session) -> None:
 _rate = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
 
 CALL = Verb(
-    "ask a service, and show what it answers",
+    "call a service, and print its answer",
     _run,
     SERVICES.name,
     SERVICES.typed("service_type"),

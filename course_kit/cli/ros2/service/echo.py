@@ -73,12 +73,12 @@ def event_text(event: Any, args: Namespace) -> str:
 
 
 ECHO = Verb(
-    "print the calls of a service, where its clients or its server report them",
+    "print the calls of a service, if its clients or its server publish them",
     _run,
     GRAPH,
     SERVICES.name,
     SERVICES.typed("service_type", nargs="?"),
-    flag("--csv", "the values with commas between them, as for a table"),
+    flag("--csv", "print the values separated by commas"),
     SHOWN,
     duration,
 )

@@ -96,9 +96,9 @@ def _qos(profile: QoSProfile) -> list[str]:
 
 
 INFO = Verb(
-    "show the type of a service, and how many offer and use it",
+    "show the type of a service, and the number of its servers and clients",
     _info,
     GRAPH,
     SERVICES.name,
-    flag("--verbose -v", "with the node, the type and the QoS of each"),
+    flag("--verbose -v", "show node, type and QoS of each"),
 )

@@ -48,12 +48,15 @@ _depth = number(int, lambda value: True, "invalid int value: {!r}", 2**31 - 1)
 _lease = number(float, lambda value: True, "invalid float value: {!r}", LONGEST)
 
 POLICIES: dict[str, dict[str, Any]] = {
-    "depth": {"metavar": "N", "type": _depth, "help": "how many messages may wait"},
+    "depth": {"metavar": "N", "type": _depth, "help": "the depth of the queue, in messages"},
     "history": {"choices": HISTORIES, "help": "which messages are kept: the last ones or all"},
     "reliability": {"choices": RELIABILITIES, "help": "whether lost messages are sent again"},
-    "durability": {"choices": DURABILITIES, "help": "whether who comes late gets what was sent before"},
-    "liveliness": {"choices": LIVELINESSES, "help": "who says that the publisher is alive"},
-    "liveliness-lease-duration-seconds": {"type": _lease, "help": "how long it counts as alive without saying so"},
+    "durability": {"choices": DURABILITIES, "help": "whether late subscriptions get earlier messages"},
+    "liveliness": {"choices": LIVELINESSES, "help": "who asserts that the publisher is alive"},
+    "liveliness-lease-duration-seconds": {
+        "type": _lease,
+        "help": "the seconds after which a silent publisher counts as dead",
+    },
 }
 
 

@@ -147,23 +147,23 @@ def _listened_to(session: Session, topic: str) -> str | None:
 
 
 PUB = Verb(
-    "publish what is written as YAML, once or again and again",
+    "publish a message written as YAML, once or again and again",
     _run,
     TOPICS.name,
     TOPICS.typed("message_type"),
     yaml_values("values", "{linear: {x: 2.0}}", fields_of("msg", "message_type")),
-    argument("-r --rate", "so many a second (default: 1)", metavar="N", type=positive_float, default=1.0),
-    argument("-p --print", "show every Nth message, none with 0 (default: 1)", metavar="N", type=whole, default=1),
+    argument("-r --rate", "the rate in Hz (default: 1)", metavar="N", type=positive_float, default=1.0),
+    argument("-p --print", "print every Nth message, 0 for none (default: 1)", metavar="N", type=whole, default=1),
     one_of(
         flag("-1 --once", "publish one message and end"),
-        argument("-t --times", "publish it so many times and end", type=_count, default=0),
+        argument("-t --times", "publish it N times and end", type=_count, default=0),
     ),
     argument(
         "-w --wait-matching-subscriptions",
-        "begin when there are so many subscriptions (default: 1 with --once and --times, else 0)",
+        "wait for N subscriptions (default: 1 with --once and --times, else 0)",
         type=_count,
     ),
-    argument("--max-wait-time-secs", "wait so long for them (default: for ever)", type=positive_float),
+    argument("--max-wait-time-secs", "wait at most N seconds for them (default: for ever)", type=positive_float),
     argument(
         "--keep-alive",
         "stay for N seconds after the last message (default: 0.1)",
@@ -171,7 +171,7 @@ PUB = Verb(
         type=positive_float,
         default=0.1,
     ),
-    argument("-n --node-name", "the name of the node that publishes"),
+    argument("-n --node-name", "the name of the publishing node"),
     endpoints.qos_options("default"),
     NODE,
     duration,

@@ -201,7 +201,7 @@ def _arguments(topic: str, window: int, *more: Arguments) -> Arguments:
     """The arguments of all three; `topic` is what the usage calls it."""
     return all_of(
         argument(topic, "the topic, such as /scan", names_of("topic")),
-        argument("--window -w", f"over the last so many messages (default: {window})", type=_count, default=window),
+        argument("--window -w", f"measure the last N messages (default: {window})", type=_count, default=window),
         *more,
         NODE,
         duration,
@@ -209,16 +209,16 @@ def _arguments(topic: str, window: int, *more: Arguments) -> Arguments:
 
 
 HZ = Verb(
-    "measure how many messages of a topic, or of each of several, arrive a second",
+    "measure the rate of a topic, or of several, in Hz",
     _hz,
     _arguments(
         "topic_name",
         10_000,
-        argument("--filter", "only messages m for which this Python expression is true", metavar="EXPR"),
-        flag("--wall-time", "by the wall clock, also with -s"),
+        argument("--filter", "count only messages m for which this Python expression is true", metavar="EXPR"),
+        flag("--wall-time", "use the wall clock, also with -s"),
         # As in the successors of Jazzy; the usage is Jazzy's.
         argument("more_topics", SUPPRESS, names_of("topic"), nargs="*", default=[]),
     ),
 )
-BW = Verb("measure how many bytes of a topic arrive a second", _bw, _arguments("topic", 100))
-DELAY = Verb("measure how long after its stamp each message arrives", _delay, _arguments("topic", 10_000))
+BW = Verb("measure the bandwidth of a topic", _bw, _arguments("topic", 100))
+DELAY = Verb("measure the delay between the stamp of a message and its arrival", _delay, _arguments("topic", 10_000))

@@ -51,14 +51,17 @@ VERBS: dict[str, Verb | str] = {
     "echo": "topic.echo:ECHO",
     "hz": "topic.rates:HZ",
     "info": Verb(
-        "show the type of a topic, and who is connected to it",
+        "show the type of a topic, and the number of its publishers and subscriptions",
         _info,
         GRAPH,
         TOPICS.name,
-        flag("--verbose -v", "with the node, the type and the QoS of each endpoint"),
+        flag("--verbose -v", "show node, type and QoS of each endpoint"),
     ),
     "list": Verb(
-        _SHARED["list"].summary, _list, _SHARED["list"].arguments, flag("-v --verbose", "with how many are connected")
+        _SHARED["list"].summary,
+        _list,
+        _SHARED["list"].arguments,
+        flag("-v --verbose", "count publishers and subscriptions"),
     ),
     "pub": "topic.pub:PUB",
 }
