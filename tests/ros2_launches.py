@@ -128,7 +128,7 @@ class RunningGroup(Running):
 
 
 def is_alive(pid: int) -> bool:
-    """Whether a process runs; a zombie does not."""
+    """Return True if a process runs; a zombie does not."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
     except OSError:
@@ -137,5 +137,5 @@ def is_alive(pid: int) -> bool:
 
 
 def none_left(pids: Iterable[int]) -> bool:
-    """Whether all these processes have ended."""
+    """Return True if all these processes have ended."""
     return not any(is_alive(pid) for pid in pids)

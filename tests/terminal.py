@@ -50,7 +50,7 @@ class Terminal:
 
     @property
     def has_ended(self) -> bool:
-        """Whether the program has ended."""
+        """True if the program has ended."""
         return self.process.poll() is not None
 
     def settings(self) -> list[Any]:

@@ -70,7 +70,7 @@ def names() -> list[str]:
 
 
 def goes_on(talker: Talker) -> bool:
-    """Whether a talker's timer still fires."""
+    """Return True if a talker's timer still fires."""
     before = talker.count
     return bool(wait_for(lambda: talker.count > before + 2))
 

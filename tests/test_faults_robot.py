@@ -234,7 +234,7 @@ def type_cell(cell: str) -> None:
 
 
 def is_well() -> bool:
-    """Whether the robot is well, or becomes so, as a student asks."""
+    """Return True if the robot is well, or becomes so, as a student asks."""
     told = faults.is_repaired(HEALTHY_TIMEOUT)
     running = [faults.process(one) for one in PROGRAMS]
     assert told, "\n".join([str(told), *(f"{one}: {one.lines[-5:]}" for one in running)])

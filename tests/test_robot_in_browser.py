@@ -126,7 +126,7 @@ def pixel(lab: Lab, x: float, y: float) -> tuple[float, float]:
 
 
 def is_whole(lab: Lab) -> bool:
-    """Whether walls, robot and laser are there."""
+    """Return True if walls, robot and laser are there."""
     seen = colours(lab)
     return seen.get(WALL, 0) > 1000 and seen.get(BODY, 0) > 50 and seen.get(HIT, 0) > 50
 

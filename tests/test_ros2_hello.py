@@ -45,7 +45,7 @@ class Elsewhere(Node):
 
 
 def can_multicast() -> bool:
-    """Whether this machine lets a datagram go to the group."""
+    """Return True if this machine lets a datagram go to the group."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
         try:
             return bool(out.sendto(b"-", (GROUP, PORT)))

@@ -164,7 +164,7 @@ def kernel(files: dict[str, str]) -> Iterator[Kernel]:
 
 
 def is_used(name: str, node: Node) -> bool:
-    """Whether somebody subscribes to a topic of that name, or is a client of such a service."""
+    """Return True if somebody subscribes to a topic of that name, or is a client of such a service."""
     return name.startswith("/") and bool(node.count_subscribers(name) or node.count_clients(name))
 
 

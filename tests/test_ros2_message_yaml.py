@@ -162,7 +162,7 @@ def reference_yaml(message: Any, shown: Shown, flow_style: bool) -> str:
 
 
 def equal(one: Any, other: Any) -> bool:
-    """Whether two messages hold the same values, a NaN being equal to a NaN."""
+    """Return True if two messages hold the same values, a NaN being equal to a NaN."""
     if hasattr(one, "get_fields_and_field_types"):
         return type(one) is type(other) and all(
             equal(getattr(one, name), getattr(other, name)) for name, _ in fields(type(one))

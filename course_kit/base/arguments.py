@@ -43,7 +43,7 @@ class Rule:
         return isinstance(value, self.types) and not isinstance(value, bool)
 
     def accepts(self, value: Any) -> bool:
-        """Whether it is of the right kind and makes sense."""
+        """Return True if it is of the right kind and makes sense."""
         return self._is_kind(value) and self.fits(value)
 
     def check(self, name: str, value: Any) -> None:
@@ -64,12 +64,12 @@ def shown(value: Any) -> str:
 
 
 def is_text(value: str) -> bool:
-    """Whether a text can be printed and sent: no half of a surrogate pair, no NUL."""
+    """Return True if a text can be printed and sent: no half of a surrogate pair, no NUL."""
     return "\0" not in value and not any("\ud800" <= letter <= "\udfff" for letter in value)
 
 
 def is_known_to_system(value: Any) -> bool:
-    """Whether a text can be a name, a word or a value for the system: it can be written as bytes without a zero."""
+    """Return True if a text can be a name, a word or a value for the system: bytes without a zero."""
     try:
         return isinstance(value, str) and b"\0" not in os.fsencode(value)
     except UnicodeEncodeError:
@@ -77,18 +77,18 @@ def is_known_to_system(value: Any) -> bool:
 
 
 def is_path(value: str | os.PathLike[str]) -> bool:
-    """Whether the system can have a file of this name."""
+    """Return True if the system can have a file of this name."""
     name = os.fspath(value)
     return is_known_to_system(name) and bool(name.strip())
 
 
 def is_command(value: str | Sequence[Any]) -> bool:
-    """Whether the system can be given these words."""
+    """Return True if the system can be given these words."""
     return all(map(is_known_to_system, [value] if isinstance(value, str) else map(str, value)))
 
 
 def is_environment(value: Mapping[Any, Any]) -> bool:
-    """Whether these can be environment variables."""
+    """Return True if these can be environment variables."""
     return all(map(is_known_to_system, (*value, *value.values()))) and not any(
         "=" in name or not name for name in value
     )
@@ -112,7 +112,7 @@ NAMESPACE = replace(NODE, what="a namespace", example="'/robot1'", fits=lambda v
 
 
 def is_place(value: Any) -> bool:
-    """Whether it is x and y, two numbers of metres."""
+    """Return True if it is x and y, two numbers of metres."""
     return isinstance(value, tuple | list) and len(value) == 2 and all(map(METRES.accepts, value))
 
 

@@ -1,4 +1,4 @@
-"""Whether this process is a Jupyter kernel, and what its cells did; without importing Jupyter where none runs."""
+"""Finds the Jupyter kernel of this process, and what its cells did; imports no Jupyter where none runs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def shell() -> Any | None:
 
 
 def in_kernel() -> bool:
-    """Whether cells of a notebook run in this process."""
+    """Return True if cells of a notebook run in this process."""
     return hasattr(shell(), "kernel")
 
 

@@ -29,7 +29,7 @@ EQUIVALENT = Path(__file__).with_name("equivalent_mutants.yaml")
 
 
 def _is_full(shown: str) -> bool:
-    """Whether it got all points."""
+    """Return True if it got all points."""
     points = re.search(r": (\d+) of (\d+) points?$", shown.partition("\n")[0])
     return points is not None and points[1] == points[2] and "✘" not in shown
 

@@ -1,4 +1,4 @@
-"""Whether a star that was driven is one, and whether its result tells the metres."""
+"""The judging of a driven star: its shape, and the metres that its result tells."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ class Process:
 
     @property
     def is_running(self) -> bool:
-        """Whether the process has not ended."""
+        """True if the process has not ended."""
         return not self._ended.done()
 
     @property
@@ -112,7 +112,7 @@ class Process:
 
     @takes(text=TEXT)
     def says(self, text: str) -> bool:
-        """Whether a line with `text` in it has come."""
+        """Return True if a line with `text` in it has come."""
         return any(text in line for line in self.lines)
 
     @takes(number=SIGNAL)
@@ -156,7 +156,7 @@ class Process:
     # What wait_for() needs.
 
     def done(self) -> bool:
-        """Whether it has ended, and all that it wrote has been read."""
+        """Return True if it has ended, and all that it wrote has been read."""
         return self._ended.done()
 
     def result(self) -> int | None:

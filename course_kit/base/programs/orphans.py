@@ -87,7 +87,7 @@ class Watch:
         return f"{self.token}-{next(self._count)}."  # the dot: no mark is the beginning of another
 
     def whole_group_was_interrupted(self) -> bool:
-        """Whether a SIGINT came to all processes of the group, as Ctrl-C in a terminal sends it."""
+        """Return True if a SIGINT came to all processes of the group, as Ctrl-C in a terminal sends it."""
         if self._process is None:
             return True
         try:

@@ -99,7 +99,7 @@ def notebook_of(name: str, names: Sequence[str]) -> str | None:
 
 
 def is_workspace(name: str) -> bool:
-    """Whether a folder or zip of this name may be a ROS workspace of the course."""
+    """Return True if a folder or zip of this name may be a ROS workspace of the course."""
     stem = own_name(name)
     return _original(stem_of(stem) if suffix_of(stem) == ZIP else stem, (WORKSPACE,)) == WORKSPACE
 
@@ -113,7 +113,7 @@ def _original(stem: str, wanted: Sequence[str] | dict[str, str]) -> str:
 
 
 def is_noise(name: str) -> bool:
-    """Whether no student made it: hidden files, what macOS and Python leave behind."""
+    """Return True if no student made it: hidden files, what macOS and Python leave behind."""
     return (name.startswith(".") and not name.startswith("..")) or name in ("__MACOSX", "__pycache__")
 
 

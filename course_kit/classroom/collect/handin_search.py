@@ -96,7 +96,7 @@ class Search:
 
     @property
     def has_notebooks(self) -> bool:
-        """Whether there is any of the course."""
+        """True if there is any of the course."""
         return any(self._found.values())
 
     def notebooks(self) -> dict[str, bytes]:

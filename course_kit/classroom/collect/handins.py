@@ -144,7 +144,7 @@ def _holds(entry: Entry, names: Sequence[str]) -> bool:
 
 
 def _is_own(entries: Sequence[Entry], names: Sequence[str]) -> bool:
-    """Whether this is one student's folder: a clone of the course, or notebooks without a folder of anybody."""
+    """Return True if this is one student's folder: a clone of the course, or notebooks without a folder of anybody."""
     if _looks_exported(entries):
         return False
     for entry in entries:

@@ -141,7 +141,7 @@ def _found(data: Mapping[str, Any]) -> Found:
 
 
 def _is_in_doubt(found: Found) -> bool:
-    """Whether an exercise may have lost its points for want of time only."""
+    """Return True if an exercise may have lost its points for want of time only."""
     verdict = found.result.verdict
     return verdict.state != NOT_BEGUN and not verdict.is_full and (found.stalled > BUSY or found.is_late)
 

@@ -61,13 +61,13 @@ class Examiner:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more is to be waited for: no question came, or its answer is there for a while."""
+        """True if nothing more is to be waited for: no question came, or its answer is there for a while."""
         with self._lock:
             return time.monotonic() > self._deadline and (self._examined.is_set() or not self._is_asked)
 
     @property
     def is_stuck(self) -> bool:
-        """Whether the checker still examines what should have ended."""
+        """True if the checker still examines what should have ended."""
         return self._is_asked and not self._examined.is_set()
 
     def close(self) -> None:

@@ -98,7 +98,7 @@ class Grading:
         return report
 
     def _is_over(self) -> bool:
-        """Whether a cell that does not say that it has ended is waited for no longer."""
+        """Return True if a cell that does not say that it has ended is waited for no longer."""
         return time.monotonic() > self._deadline or (self._is_checked and self._examiner.is_over)
 
     def _found(self, item: Any) -> dict[str, Any]:

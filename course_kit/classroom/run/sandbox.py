@@ -77,7 +77,7 @@ def why_not() -> str:
 
 
 def is_available() -> bool:
-    """Whether sandboxes can be made here, one in the other."""
+    """Return True if sandboxes can be made here, one in the other."""
     return not why_not()
 
 

@@ -28,7 +28,7 @@ class Condition:
         self._predicate = predicate
 
     def evaluate(self, context: LaunchContext) -> bool:
-        """Whether it holds."""
+        """Return True if it holds."""
         return bool(self._predicate(context))
 
 

@@ -91,7 +91,7 @@ class LaunchContext:
             self.handlers.remove(handler)
 
     def would_handle_event(self, event: Event) -> bool:
-        """Whether some handler takes the event."""
+        """Return True if some handler takes the event."""
         return any(handler.matches(event) for handler in self.handlers)
 
     def emit_event_sync(self, event: Event) -> None:

@@ -30,7 +30,7 @@ class EventHandler:
         self._handle_once = handle_once
 
     def matches(self, event: events.Event) -> bool:
-        """Whether it takes the event."""
+        """Return True if it takes the event."""
         return bool(self._matcher(event))
 
     def handle(self, event: events.Event, context: LaunchContext) -> list[LaunchDescriptionEntity]:

@@ -51,7 +51,7 @@ def described(value: SomeSubstitutions, separator: str = " + ") -> str:
 
 
 def is_substitution(value: Any) -> bool:
-    """Whether a value is known only when the launch file runs."""
+    """Return True if a value is known only when the launch file runs."""
     return isinstance(value, Substitution) or (
         isinstance(value, (list, tuple)) and any(isinstance(part, Substitution) for part in value)
     )

@@ -59,7 +59,7 @@ def run_in_terminal(cmd: Sequence[str]) -> int:
 
 
 def _is_in_foreground() -> bool:
-    """Whether this process belongs to those that Ctrl-C in a terminal goes to."""
+    """Return True if this process belongs to those that Ctrl-C in a terminal goes to."""
     with contextlib.suppress(OSError), open("/dev/tty", "rb", buffering=0) as terminal:
         return os.tcgetpgrp(terminal.fileno()) == os.getpgrp()
     return False

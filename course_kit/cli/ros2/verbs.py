@@ -59,7 +59,7 @@ def failing(*kinds: type[BaseException], say: Callable[[Any], str] = str) -> Ite
 
 
 def was_interrupt(error: BaseException) -> bool:
-    """Whether an interrupt became this error: in the midst of a message's conversion rclpy makes another of it."""
+    """Return True if an interrupt became this error: rclpy makes another of it while it converts a message."""
     return isinstance(error.__cause__, KeyboardInterrupt)
 
 

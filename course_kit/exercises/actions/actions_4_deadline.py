@@ -89,7 +89,7 @@ class Long:
 
     @property
     def is_in_time(self) -> bool:
-        """Whether it is aborted, after the deadline and not long after."""
+        """True if it is aborted, after the deadline and not long after."""
         return self.goal.word == "aborted" and self.seconds > DEADLINE - 0.05 and self.late < LATE
 
     def __str__(self) -> str:

@@ -86,12 +86,12 @@ class Trip:
         return star
 
     def is_away(self, star: Star) -> bool:
-        """Whether the turtle is away from all places where a star may have begun, or it has no goal any more."""
+        """Return True if the turtle is away from all places where a star may have begun, or it has no goal any more."""
         self.end(star)
         return star.gap > CLEARLY_AWAY or star.goal.settled is not None
 
     def was_late(self, star: Star) -> bool:
-        """Whether the simulator was late in it, as on a busy machine, which may lead the turtle astray."""
+        """Return True if the simulator was late in it, as on a busy machine, which may lead the turtle astray."""
         return ticked_late(self._driven, star.begun)
 
     def end(self, star: Star) -> None:

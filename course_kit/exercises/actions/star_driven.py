@@ -56,7 +56,7 @@ class Star:
 
     @property
     def is_finished(self) -> bool:
-        """Whether it succeeded, with the metres driven as the result: by the drawing, or as they were measured."""
+        """True if it succeeded, with the metres driven as the result: by the drawing, or as they were measured."""
         metres = [self.lines, paths.length(self.poses)] if self.is_drawn(COASTED) else [self.lines]
         wrong = min(abs(self.distance - way) for way in metres)
         return self.goal.word == "succeeded" and wrong < LONGER * self.lines
@@ -90,7 +90,7 @@ class Star:
         return min(math.dist((pose.x, pose.y), (end.x, end.y)) for pose in self.beginnings)
 
     def is_drawn(self, coasted: float = 0.0) -> bool:
-        """Whether its way is a star that was driven, but for `coasted` metres before it began."""
+        """Return True if its way is a star that was driven, but for `coasted` metres before it began."""
         is_as_long = abs(paths.length(self.poses) - self.lines) < LONGER * self.lines + coasted
         return max(self.missed_by, self.gap) < OFF and is_as_long and paths.carried(self.poses) < CARRIED
 
@@ -117,5 +117,5 @@ def _velocities(pose: Any) -> tuple[float, float]:
 
 
 def is_away(pose: Any, places: list[paths.Point], metres: float) -> bool:
-    """Whether a pose is more than so many metres from all of some places."""
+    """Return True if a pose is more than so many metres from all of some places."""
     return all(math.dist((pose.x, pose.y), place) > metres for place in places)

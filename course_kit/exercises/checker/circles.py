@@ -46,7 +46,7 @@ def turned_in_all(poses: Poses) -> float:
 
 
 def has_jump(poses: Poses) -> bool:
-    """Whether somewhere the turtle came farther than its velocities brought it; three lost poses are allowed for."""
+    """Return True if the turtle came farther somewhere than its velocities allow; three poses may be lost."""
     return any(
         math.dist((a.x, a.y), (b.x, b.y)) > 4 * TICK * max(a.linear_velocity, b.linear_velocity) + 0.005
         for a, b in pairwise(poses)

@@ -19,7 +19,7 @@ class Line(NamedTuple):
 
 
 def is_as_asked(text: str, wanted: str) -> bool:
-    """Whether a definition has the fields of the wanted one, in any order, and its constants; more of those may be."""
+    """Return True if a definition has the wanted fields, in any order, and the wanted constants, or more of these."""
     return arranged(text, wanted) is not None
 
 

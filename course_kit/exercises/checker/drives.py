@@ -61,7 +61,7 @@ def carried(steps: Iterable[Step]) -> float:
 
 
 def came_to(drive: Sequence[Any], point: Point, within: float) -> bool:
-    """Whether a drive came near a point from farther away (metres)."""
+    """Return True if a drive came near a point from farther away (metres)."""
     was_away = False
     for pose in drive:
         if math.dist((pose.x, pose.y), point) > within:
@@ -98,7 +98,7 @@ class Commands:
         self._newcomers = [[when, when] for when in sorted(newcomers)]
 
     def explain(self, when: int, speed: float) -> bool:
-        """Whether a turtle's speed may come from one of them."""
+        """Return True if a turtle's speed may come from one of them."""
         if _holds(self._newcomers, when):
             return True
         speed = abs(speed)
@@ -116,7 +116,7 @@ class Commands:
 
 
 def _holds(spans: list[list[int]], when: int) -> bool:
-    """Whether one of the spans, or the second after it in which its command holds, has this moment in it."""
+    """Return True if one of the spans, or the second after it in which its command holds, has this moment in it."""
     place = bisect_right(spans, when + ARRIVAL, key=lambda span: span[0])
     return place > 0 and when <= spans[place - 1][1] + COMMAND_LIFETIME + ARRIVAL
 

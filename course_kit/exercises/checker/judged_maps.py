@@ -31,7 +31,7 @@ class Judged:
 
     @property
     def is_good(self) -> bool:
-        """Whether it is as good as the exercise asks."""
+        """True if it is as good as the exercise asks."""
         seen = self.floor >= FLOOR_SEEN and self.walls >= WALLS_SEEN
         return seen and self.right >= RIGHT and self.true_walls >= TRUE_WALLS
 
@@ -62,7 +62,7 @@ def _inside(points: Floats, world: World) -> npt.NDArray[np.bool_]:
 
 
 def _near_wall(found: GridMap, points: Floats) -> npt.NDArray[np.bool_]:
-    """Whether the map has a wall in the cell of each point or beside it."""
+    """Return True if the map has a wall in the cell of each point or beside it."""
     return np.asarray(found.wall_distances(points) < 1.5 * CELL)
 
 
@@ -122,7 +122,7 @@ def _best_shift(found: GridMap, reference: GridMap) -> tuple[float, float]:
 
 
 def _has_walls_of(walled: GridMap, found: GridMap, world: World) -> bool:
-    """Whether most of a map's walls that are none are those of another."""
+    """Return True if most of a map's walls that are none are those of another."""
     points = found.centres(*np.nonzero(found.cells >= WALL))
     wrong = points[np.abs(world.clearances(*points.T)) >= FAR]
     return bool(len(wrong)) and float(_near_wall(walled, wrong).mean()) > 0.7

@@ -65,7 +65,7 @@ def _in_order(installed: str, text: str) -> str:
 
 
 def is_ready(package: str, texts: Texts | None = None) -> bool:
-    """Whether a package is compiled; unless given, from the course's own definitions."""
+    """Return True if a package is compiled; unless given, from the course's own definitions."""
     return folder_of(package, texts or own_texts(package)).is_dir()
 
 

@@ -192,7 +192,7 @@ class Transforms:
         return sorted((seconds_of(one.header.stamp), place_of(one.transform)) for one in links)
 
     def has(self, inside: str, frame: str) -> bool:
-        """Whether tf tells where a frame is in another."""
+        """Return True if tf tells where a frame is in another."""
         return place_in(self.buffer(), inside, frame) is not None
 
 

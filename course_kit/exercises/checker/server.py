@@ -201,7 +201,7 @@ def _watch_over(seconds: float) -> None:
 
 
 def _says_something(value: Any) -> bool:
-    """Whether a value is more than the None, or the tuple of them, of an untouched answer cell."""
+    """Return True if a value is more than the None, or the tuple of them, of an untouched answer cell."""
     return any(part is not None for part in value) if isinstance(value, list) and value else value is not None
 
 

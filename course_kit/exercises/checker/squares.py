@@ -1,4 +1,4 @@
-"""Whether a driven path is a square, and how fast it turns. No ROS."""
+"""Measures of a driven path that shall be a square: its sides, its corners, how fast it turns. No ROS."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ def heard_since_start(node: str, topic: str) -> Arrivals:
 
 
 def was_listed_before(node: str, topic: str) -> bool:
-    """Whether lists of topics may have had a watched topic before a node that publishes it was started.
+    """Return True if lists of topics may have had a watched topic before a node that publishes it was started.
 
     A panel of an earlier try may have subscribed to it, or still the checker.
     """

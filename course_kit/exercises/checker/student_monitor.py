@@ -82,5 +82,5 @@ class StudentDomainMonitor:
 
 
 def _is_visible(endpoint: Any) -> bool:
-    """Whether it is of a node that is listed; tools, and other notebooks' checkers, are hidden."""
+    """Return True if it is of a node that is listed; tools, and other notebooks' checkers, are hidden."""
     return not endpoint.node_name.startswith("_")

@@ -100,7 +100,7 @@ def matches(publisher: Publisher) -> bool:
 
 
 def is_published(topic: str) -> bool:
-    """Whether the answer has a publisher of a topic, which may come a little later than its node."""
+    """Return True if the answer has a publisher of a topic, which may come a little later than its node."""
     return wait(lambda: current().test_domain.publishers(topic), arrival_timeout())
 
 
@@ -165,7 +165,7 @@ def hear_the_turtle() -> ReceivedMessages:
 
 
 def ticked_late(driven: ReceivedMessages, since: int) -> bool:
-    """Whether ticks of the simulator came late or not at all since a pose of that number, as on a busy machine."""
+    """Return True if ticks of the simulator were late or missing since a pose of that number, as on a busy machine."""
     return any(after - before > LATEST_TICK * 1e9 for before, after in pairwise(driven.times[since:]))
 
 
@@ -196,7 +196,7 @@ def rate_of(times: Sequence[int]) -> float:
 
 
 def is_steady(times: Sequence[int], wanted: float, within: float) -> bool:
-    """Whether messages came at a rate (Hz), but for a part of it (`within`), and most of them about a period apart."""
+    """Return True if messages came at a rate (Hz), but for a part of it (`within`), most of them a period apart."""
     even = [0.5 < (after - before) * 1e-9 * wanted < 1.5 for before, after in pairwise(times)]
     return abs(rate_of(times) - wanted) <= within * wanted and sum(even) >= 0.7 * len(even)
 

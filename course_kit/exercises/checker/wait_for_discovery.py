@@ -1,4 +1,4 @@
-"""Whether the nodes of an answer have found what the checker made: only then nothing is lost that is sent either way.
+"""Waits until discovery is complete in both directions, so that no message, request or answer is lost.
 
 A publisher drops what it sends before it has found a subscription, a server drops an answer if it has not found the
 client yet; and whoever waits for it cannot see that it has not been found. What a process makes is announced in order,

@@ -165,7 +165,7 @@ def started() -> list[int]:
 
 
 def _still_begins(process: Process) -> bool:
-    """Whether one of its programs wants to run most of the time: while it loads it does, once it spins it rarely does.
+    """Return True if one of its programs wants to run most of the time, as while it loads, and not while it spins.
 
     On a machine with enough to do for other processes, loading takes long.
     """

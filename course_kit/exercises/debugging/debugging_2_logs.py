@@ -183,7 +183,7 @@ def _followed(poses: Poses, lines: Sequence[Line]) -> list[Line]:
 
 
 def _has_all(poses: Poses, lines: Sequence[Line]) -> bool:
-    """Whether there are as many lines as poses, in a stretch at least: a busy node loses poses, many at once."""
+    """Return True if there are as many lines as poses, in a stretch at least: a busy node loses poses, many at once."""
     if len(lines) >= NEARLY_ALL * len(poses):
         return True
     for line in lines:
@@ -196,13 +196,13 @@ def _has_all(poses: Poses, lines: Sequence[Line]) -> bool:
 
 
 def _shows(text: str, x: float) -> bool:
-    """Whether a number in a text is x, to as many decimals as it has."""
+    """Return True if a number in a text is x, to as many decimals as it has."""
     found = [(float(match[0]), len(match[1] or "")) for match in NUMBER.finditer(text)]
     return any(abs(number - x) <= 1.01 * 10.0**-decimals + 1e-4 for number, decimals in found)
 
 
 def _tells_of(xs: Sequence[float], text: str) -> bool:
-    """Whether a number in a text is one of these x, or lies between two of a drive: a busy machine loses poses."""
+    """Return True if a number in a text is one of these x, or lies between two: a busy machine loses poses."""
     numbers = [float(match[0]) for match in NUMBER.finditer(text)]
     drives = [sorted(step) for step in pairwise(xs) if abs(step[1] - step[0]) < DRIVEN]
     return any(_shows(text, x) for x in xs) or any(low < n < high for n in numbers for low, high in drives)

@@ -110,7 +110,7 @@ class _Leg:
 
     @property
     def is_complete(self) -> bool:
-        """Whether it said one thing for each pose, and 0 for the very first."""
+        """True if it said one thing for each pose, and 0 for the very first."""
         return len(self.said) == len(self.wanted) and (self.wanted[0] != 0.0 or abs(self.said[0]) < 1e-6)
 
     @property

@@ -160,7 +160,7 @@ class Phase:
 
     @property
     def is_right(self) -> bool:
-        """Whether nothing is wrong with it."""
+        """True if nothing is wrong with it."""
         return not (self.wrong_rates() or any(self.wrong_levels(level) for level in LEVELS.values()))
 
     def wrong_levels(self, wanted: str) -> list[str]:
@@ -227,7 +227,7 @@ def _run(phase: Phase, publishers: Mapping[str, Any], heard: ReceivedMessages, r
 
 
 def _is_about(text: str, rate: float) -> bool:
-    """Whether a text has a number that is this rate, with a unit or without; for 0 also none, as of nothing."""
+    """Return True if a text has a number that is this rate, with a unit or without; for 0 also none, as of nothing."""
     number = _number(text)
     if number is None:
         return rate == 0.0

@@ -1,4 +1,4 @@
-"""Whether the robot does its work: what comes of a turtle that is put elsewhere, of a speed limit, of more scans.
+"""Disturbs the lab's robot and looks at its reactions: a turtle put elsewhere, a speed limit, more scans.
 
 Rates alone could come from anything that publishes. For checks only: it moves the student's turtle, and gives back the
 limit that the map server had given.
@@ -73,7 +73,7 @@ def distance_to_wall(pose: Any, angle: float) -> float:
 
 
 def is_from(scan: Any, pose: Any) -> bool:
-    """Whether a scan was taken at a pose, but for some beams: near a corner a little makes much."""
+    """Return True if a scan was taken at a pose, but for some beams: near a corner a little makes much."""
     off = [
         abs(d - distance_to_wall(pose, scan.angle_min + n * scan.angle_increment)) for n, d in enumerate(scan.ranges)
     ]
@@ -157,7 +157,7 @@ class Robot:
         return False
 
     def counts_more(self) -> bool:
-        """Whether the map grows by more scans since there are twice as many."""
+        """Return True if the map grows by more scans since there are twice as many."""
 
         def grows() -> bool:
             counted = _since(self._counts, self._began + int(2 * MAP_PERIOD * 1e9))
@@ -170,7 +170,7 @@ class Robot:
         return bool(self._wait(grows, TIMEOUT))
 
     def hands_out_a_map(self) -> bool:
-        """Whether it answers who asks for its map."""
+        """Return True if it answers who asks for its map."""
         response = Client("/get_map", GetMap, self._observer).ask().response
         return response is not None and 0 < len(response.map.data) == response.map.info.width * response.map.info.height
 

@@ -1,4 +1,4 @@
-"""Whether the robot is well, seen from outside: what its topics carry over two seconds, and how often.
+"""Looks at the lab's robot from outside: the messages of its topics over two seconds, and their rates.
 
 A Watch listens, through a DomainObserver; findings() judges, and is pure. examine() does both until all is well: for
 the lab in the notebook's process, and for expect_well() (debugging/robot_well.py) in the checker's.

@@ -42,7 +42,7 @@ class System:
 
     @property
     def is_running(self) -> bool:
-        """Whether the robot was started."""
+        """True if the robot was started."""
         return bool(self._started)
 
     def process(self, program: str) -> Process | None:

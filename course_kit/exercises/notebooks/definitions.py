@@ -52,7 +52,7 @@ def _is_plain(value: ast.expr) -> bool:
 
 
 def _are_methods(target: ast.expr) -> bool:
-    """Whether a target is `Class.method`, or several of them."""
+    """Return True if a target is `Class.method`, or several of them."""
     each = target.elts if isinstance(target, ast.Tuple) else [target]
     return all(isinstance(one, ast.Attribute) and isinstance(one.value, ast.Name) for one in each)
 

@@ -66,7 +66,7 @@ class Verdict:
 
     @property
     def is_full(self) -> bool:
-        """Whether nothing is left to do."""
+        """True if nothing is left to do."""
         return self.state == LOOKED_AT and self.points == self.max_points and all(f.ok for f in self.findings)
 
     @property

@@ -73,13 +73,13 @@ def _is_known(where: World, goal: Point) -> bool:
 
 
 def _is_straight(where: World, goal: Point) -> bool:
-    """Whether nothing is between start and goal."""
+    """Return True if nothing is between start and goal."""
     straight = np.linspace(where.start[:2], goal, 200)
     return bool(where.clearances(*straight.T).min() > 0)
 
 
 def _is_hidden(where: World, goal: Point) -> bool:
-    """Whether a plan made at the start leads through the midst of a wall, whoever makes it."""
+    """Return True if a plan made at the start leads through the midst of a wall, whoever makes it."""
     from course_kit.robots.navigation.places import moved
 
     walls = [replace(one, length=one.length - 2 * AROUND) for one in where.walls if one.length > 2 * AROUND]
@@ -89,7 +89,7 @@ def _is_hidden(where: World, goal: Point) -> bool:
 
 
 def _is_fair(where: World, goal: Point, way: float) -> bool:
-    """Whether whoever plans anew at each wall that appears has no long way round."""
+    """Return True if a robot that plans anew at each new wall has no long detour in this world."""
     return all(_found_way(where, goal, planner, DETOUR * way) <= DETOUR * way for planner in PLANNERS)
 
 

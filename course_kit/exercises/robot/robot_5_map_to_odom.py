@@ -47,7 +47,7 @@ class Told:
     end: float = math.inf  # when its time was over, s
 
     def fits(self) -> bool:
-        """Whether nearly all of them put odom in its place; the first may come before the part's first pose."""
+        """Return True if nearly all of them put odom in its place; the first may come before the part's first pose."""
         right = [_is_near(place_of(one.transform), self.odom) for one in self.transforms]
         return sum(right) >= MOST * len(right) - 1 and sum(right) >= len(self.poses) / 2
 

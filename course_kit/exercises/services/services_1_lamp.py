@@ -49,13 +49,13 @@ class Switched:
 
     @property
     def tells_changes(self) -> bool:
-        """Whether it began as it should, and each `success` is right."""
+        """True if it began as it should, and each `success` is right."""
         changes = [before != after for before, after in pairwise([False, *self.data])]
         return self.states[0] is False and [response.success for response in self.said] == changes
 
     @property
     def tells_states(self) -> bool:
-        """Whether each `message` is right, and each `self.is_on`."""
+        """True if each `message` is right, and each `self.is_on`."""
         return [one.message for one in self.said] == [*map(_word, self.data)] and self.states[1:] == self.data
 
 

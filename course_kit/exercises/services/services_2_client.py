@@ -38,7 +38,7 @@ class Tried:
 
     @property
     def is_late(self) -> bool:
-        """Whether it took longer than it may."""
+        """True if it took longer than it may."""
         return self.seconds > self.timeout + LATE
 
     def __str__(self) -> str:

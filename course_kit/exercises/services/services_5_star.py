@@ -57,23 +57,23 @@ class Star:
 
     @property
     def is_answered(self) -> bool:
-        """Whether the response is right, and came when the turtle had arrived."""
+        """True if the response is right, and came when the turtle had arrived."""
         said = self.answered.response
         return bool(said and said.success and said.message == "5 lines" and self.missing <= ARRIVED)
 
     @property
     def is_star(self) -> bool:
-        """Whether all lines are there, whatever else is."""
+        """True if all lines are there, whatever else is."""
         return self.seen.yellow == 5 and self.seen.strokes == 1
 
     @property
     def is_alone(self) -> bool:
-        """Whether nothing else was drawn."""
+        """True if nothing else was drawn."""
         return self.seen.complete > 0 and self.seen.elsewhere < NOTHING and self.seen.again < TWICE
 
     @property
     def is_right(self) -> bool:
-        """Whether nothing is missing."""
+        """True if nothing is missing."""
         return self.is_answered and self.is_star and self.is_alone and self.seen.widths == (WIDTH,)
 
 

@@ -47,7 +47,7 @@ def _what_is_wrong(text: str) -> str:
 
 
 def _greets(text: str) -> bool:
-    """Whether a line greets with a name."""
+    """Return True if a line greets with a name."""
     words = text.strip()
     if not words.startswith(GREETING) or re.search(r"[{}]|<[^<>]*>|%s|your name", words, re.IGNORECASE):
         return False

@@ -125,7 +125,7 @@ class RosCalls:
 
     @property
     def is_async(self) -> bool:
-        """Whether it has coroutines."""
+        """True if it has coroutines."""
         return any(isinstance(node, ast.AsyncFunctionDef) for node in ast.walk(self._tree))
 
     @property

@@ -55,7 +55,7 @@ def _file(exercise: str) -> Path:
 
 
 def is_there(exercise: str) -> bool:
-    """Whether there is a solution of an exercise here."""
+    """Return True if there is a solution of an exercise here."""
     return _file(exercise).is_file()
 
 

@@ -107,7 +107,7 @@ class Relayed:
 
     @property
     def is_at_once(self) -> bool:
-        """Whether poses came soon, and at the lower rate, where there is time for it, before the next was sent."""
+        """True if poses came soon, and at the lower rate, where there is time for it, before the next was sent."""
         sent = [when for when, _ in self.sent + self.standing]
         slow = [when < sent[n + 1] for n, when in self.arrivals if n >= self.fast]
         return self.usual_delay < LATE and sum(slow) >= BEFORE_THE_NEXT * len(slow)
@@ -119,7 +119,7 @@ class Relayed:
 
     @property
     def may_be_disturbed(self) -> bool:
-        """Whether a busy machine can have caused what is wrong: poses were lost, or came late, but none too early."""
+        """True if a busy machine can have caused what is wrong: poses were lost, or came late, but none too early."""
         is_right = self.is_every_tenth() and self.is_at_once
         return not is_right and bool(self.came) and min(self.steps, default=0) >= 10 and self.equal <= EQUAL / 10 + 1
 

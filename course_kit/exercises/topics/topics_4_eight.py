@@ -58,24 +58,24 @@ class Figure:
 
     @property
     def goes_on_beside(self) -> bool:
-        """Whether the second circle is as it should be after the first."""
+        """True if the second circle is as it should be after the first."""
         first, second = self.first, self.second
         return _is_whole(second) and first.turned * second.turned < 0 and _touch(first, second)
 
     @property
     def is_even(self) -> bool:
-        """Whether both circles have the same size, and no small one."""
+        """True if both circles have the same size, and no small one."""
         lengths = self.first.length, self.second.length
         return min(lengths) > ALIKE * max(lengths) and min(lengths) > AROUND
 
     @property
     def is_closed(self) -> bool:
-        """Whether it ends where it began."""
+        """True if it ends where it began."""
         return self.missing <= CLOSED and self.length > AROUND  # it has not stood still
 
     @property
     def is_right(self) -> bool:
-        """Whether nothing is missing."""
+        """True if nothing is missing."""
         return _is_whole(self.first) and self.goes_on_beside and self.is_even and self.is_closed
 
 

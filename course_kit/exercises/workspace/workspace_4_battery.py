@@ -88,7 +88,7 @@ class _Habit:
         )
 
     def goes_down(self, left: list[float], wanted: float, seconds: float) -> bool:
-        """Whether it goes on from what was set, so many seconds before the first message."""
+        """Return True if it goes on from what was set, so many seconds before the first message."""
         reach = self.reach * max(1.0, seconds)
         drops = [before - after for before, after in pairwise(left) if before > 0.0]
         return wanted - reach - NEAR <= left[0] <= wanted + NEAR and all(
@@ -97,7 +97,7 @@ class _Habit:
 
 
 def _is_steady(heard: ReceivedMessages) -> bool:
-    """Whether the newest messages came once a second."""
+    """Return True if the newest messages came once a second."""
     times = heard.times[-STEPS:]
     return len(times) == STEPS and abs((times[-1] - times[0]) / 1e9 / (STEPS - 1) - 1.0) < 0.15
 

@@ -131,7 +131,7 @@ def _refusing(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
 
 
 def _belongs_to_this_thread(client: Any) -> bool:
-    """Whether the answer to a client would be delivered by the executor whose callback runs now."""
+    """Return True if the answer to a client would be delivered by the executor whose callback runs now."""
     current = executors.current()
     nodes = current.executor.get_nodes() if current is not None else []
     return any(client in (*node.clients, *node.waitables) for node in nodes)

@@ -42,7 +42,7 @@ class BagRecording:
 
     @property
     def is_running(self) -> bool:
-        """Whether messages are still recorded."""
+        """True if messages are still recorded."""
         return bool(self._recorder.is_running)
 
     @property

@@ -20,7 +20,7 @@ CHUNK_HEAD = struct.Struct("<BQQQQIIQ")  # kind, bytes, first and last time, siz
 
 
 def has_end(file: Path) -> bool:
-    """Whether the file was closed by who wrote it."""
+    """Return True if the file was closed by who wrote it."""
     with open(file, "rb") as stream:
         size = stream.seek(0, os.SEEK_END)
         stream.seek(max(0, size - len(MAGIC)))

@@ -21,7 +21,7 @@ Row = list[int | bytes | str | None]
 
 
 def is_cut(file: Path) -> bool:
-    """Whether an sqlite3 file is shorter than its header says, and nobody is writing to it or was killed then."""
+    """Return True if an sqlite3 file is shorter than its header says, and nobody writes to it or was killed then."""
     with file.open("rb") as stream:
         header = stream.read(100)
     # The number of pages counts if it was written by who changed the file last: two counters are the same.

@@ -107,7 +107,7 @@ def storage_files(folder: Path) -> list[Path]:
 
 
 def is_being_recorded(folder: Path) -> bool:
-    """Whether a recorder of ours is still writing to a bag; it keeps the folder locked."""
+    """Return True if a recorder of ours is still writing to a bag; it keeps the folder locked."""
     with contextlib.suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:
@@ -146,7 +146,7 @@ def info(path: str | os.PathLike[str]) -> BagInfo:
 
 
 def _is_whole(place: Path) -> bool:
-    """Whether it is a bag with metadata.yaml, and no file of it is cut."""
+    """Return True if it is a bag with metadata.yaml, and no file of it is cut."""
     with _telling(place):
         return (place / METADATA).is_file() and not any(map(is_cut, storage_files(place)))
 

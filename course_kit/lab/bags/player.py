@@ -137,7 +137,7 @@ class Player:
 
     @property
     def is_matched(self) -> bool:
-        """Whether all subscriptions that are known are connected to the publishers."""
+        """True if all subscriptions that are known are connected to the publishers."""
         clock = [self._clock_publisher] if self._clock_publisher is not None else []
         return all(
             publisher.get_subscription_count() >= self.node.count_subscribers(publisher.topic_name)

@@ -95,7 +95,7 @@ class Recorder:
 
     @property
     def is_running(self) -> bool:
-        """Whether messages are still recorded: until stop(), or until writing fails."""
+        """True if messages are still recorded: until stop(), or until writing fails."""
         return bool(self._threads) and not self._ending.is_set() and self.error is None
 
     @property
@@ -105,7 +105,7 @@ class Recorder:
 
     @property
     def is_matched(self) -> bool:
-        """Whether every topic that is subscribed to has at least one publisher connected."""
+        """True if every topic that is subscribed to has at least one publisher connected."""
         return all(subscription.publisher_count for subscription in self._subscriptions.values())
 
     @property

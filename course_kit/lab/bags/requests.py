@@ -36,7 +36,7 @@ class Requests:
 
     @property
     def is_matched(self) -> bool:
-        """Whether the server, if there is one, is connected."""
+        """True if the server, if there is one, is connected."""
         return self._client.service_is_ready() or not observer_node.node().count_services(self.name)
 
     def publish(self, data: bytes) -> None:

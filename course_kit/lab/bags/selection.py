@@ -37,7 +37,7 @@ class Selection:
     without_leaves: bool = False
 
     def takes(self, topic: str, type_name: str) -> bool:
-        """Whether a topic is taken, as far as its name and type tell."""
+        """Return True if a topic is taken, as far as its name and type tell."""
         if (service := service_of(topic, type_name)) is not None and (found := self._of_service(service)) is not None:
             return found
         if topic in self.exclude_names or type_name in self.exclude_types:
@@ -49,11 +49,11 @@ class Selection:
         return bool(self.regex) and re.search(self.regex, topic) is not None
 
     def takes_service(self, service: str) -> bool:
-        """Whether the calls of a service are taken, though the topic that tells of them is hidden."""
+        """Return True if the calls of a service are taken, though the topic that tells of them is hidden."""
         return bool(self._of_service(service))
 
     def _of_service(self, service: str) -> bool | None:
-        """Whether the calls of a service are taken, None if only its topic can tell."""
+        """Return True if the calls of a service are taken, None if only its topic can tell."""
         if service in self.exclude_services or (self.exclude_regex and re.search(self.exclude_regex, service)):
             return False
         if self.every_service or service in self.services or (self.regex and re.search(self.regex, service)):
@@ -67,5 +67,5 @@ class Selection:
 
     @property
     def is_finite(self) -> bool:
-        """Whether the names are all that is wanted, so that looking for topics has an end."""
+        """True if the names are all that is wanted, so that looking for topics has an end."""
         return bool(self.wanted) and not (self.every or self.every_service or self.types or self.regex)

@@ -50,7 +50,7 @@ def open_storage(file: Path) -> tuple[Reader, bool]:
 
 
 def is_cut(file: Path) -> bool:
-    """Whether the end is missing of a storage file that was closed."""
+    """Return True if the end is missing of a storage file that was closed."""
     return not cut_mcap.has_end(file) if file.suffix != ".db3" else cut_sqlite.is_cut(file)
 
 

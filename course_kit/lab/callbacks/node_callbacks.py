@@ -73,7 +73,7 @@ def _callbacks(node: Node) -> Iterator[tuple[Any, Callback | None]]:
 
 
 def _is_of_rclpy(callback: Any) -> bool:
-    """Whether it is a method of one of rclpy's own objects."""
+    """Return True if it is a method of one of rclpy's own objects."""
     return type(getattr(callback, "__self__", None)).__module__.partition(".")[0] == "rclpy"
 
 

@@ -48,7 +48,7 @@ class Call:
         return self.response_received - self.request_sent
 
     def queued_among(self, calls: Iterable[Call]) -> bool:
-        """Whether this one's request waited until the server had answered another of the calls."""
+        """Return True if this one's request waited until the server had answered another of the calls."""
         return any(
             other is not self and self.request_sent < other.response_sent <= self.request_received for other in calls
         )

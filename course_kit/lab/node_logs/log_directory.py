@@ -51,7 +51,7 @@ class LogFile:
 
     @property
     def is_running(self) -> bool:
-        """Whether the process that wrote it still runs."""
+        """True if the process that wrote it still runs."""
         return self.pid is not None and Path(f"/proc/{self.pid}").exists()
 
 

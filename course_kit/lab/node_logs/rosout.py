@@ -75,7 +75,7 @@ def _receive(serialised: bytes, _info: Any) -> None:
 
 
 def _repeats_an_error(line: LogLine) -> bool:
-    """Whether rclpy's EventsExecutor logs an exception here that is reported as a CallbackError already."""
+    """Return True if rclpy's EventsExecutor logs an exception here that is reported as a CallbackError already."""
     marks = {50: "Exception in '", 30: "Error occurred at:"}
     return line.node in errors.reporting and line.text.startswith(marks.get(line.level, "\0"))
 
@@ -109,7 +109,7 @@ def level_number(level: str) -> int:
 
 
 def is_of(line: LogLine, node: str) -> bool:
-    """Whether a line is of a node, given by its name, or of one in that namespace."""
+    """Return True if a line is of a node, given by its name, or of one in that namespace."""
     wanted = "/" + node.strip("/")
     return line.node == wanted or line.node.startswith(wanted.rstrip("/") + "/")
 

@@ -25,7 +25,7 @@ NUMBERS |= {name: np.dtype(np.int64) for name in ("int64", "octet", "char")}
 
 
 def is_stamped(message_type: Any) -> bool:
-    """Whether the first field of a type is a std_msgs/Header or a time `stamp`."""
+    """Return True if the first field of a type is a std_msgs/Header or a time `stamp`."""
     first = next(iter(message_type.get_fields_and_field_types().items()), None)
     return first in (("header", "std_msgs/Header"), ("stamp", "builtin_interfaces/Time"))
 

@@ -26,7 +26,7 @@ class Track:
 
     @property
     def jumps(self) -> npt.NDArray[np.bool_]:
-        """Whether the robot was put somewhere else after a message, faster than it drives: shape (messages - 1,)."""
+        """True if the robot was put somewhere else after a message, faster than it drives: shape (messages - 1,)."""
         way = np.hypot(np.diff(self.x), np.diff(self.y))
         fastest = np.maximum(np.abs(self.linear[1:]), np.abs(self.linear[:-1]))
         return np.asarray(way > 0.1 + 3.0 * fastest * np.diff(self.times))

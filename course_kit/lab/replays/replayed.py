@@ -127,7 +127,7 @@ class Difference:
 
 
 class Comparison:
-    """Whether two replays are equal within a tolerance: true or false as a condition, a table when shown."""
+    """The comparison of two replays within a tolerance: true or false as a condition, a table when shown."""
 
     def __init__(self, first: Replayed, second: Replayed, tolerance: float) -> None:
         self.first, self.second, self.tolerance = first, second, tolerance

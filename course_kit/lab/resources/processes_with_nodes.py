@@ -86,7 +86,7 @@ def _process_of(origin: Origin, own: Origin, domain: int) -> tuple[int | None, s
 
 
 def listens(pid: int, domain: int) -> bool:
-    """Whether a process has a port of the participants of a domain open; of other users' processes it is not known."""
+    """Return True if a process has a port of a domain's participants open; other users' processes are not known."""
     ports = participant_ports(domain)
     try:
         connections = psutil.Process(pid).net_connections("udp")

@@ -166,7 +166,7 @@ class ResourceRecording(Mapping[str, Usage], AbstractContextManager["ResourceRec
 
     @property
     def is_running(self) -> bool:
-        """Whether the recording goes on."""
+        """True if the recording goes on."""
         return self._sampler.thread.is_alive()
 
     def stop(self) -> ResourceRecording:

@@ -171,7 +171,7 @@ def scene(layers: list[Layer], frames: Frames, frame: str | None = None) -> Scen
 
 
 def is_known(layers: list[Layer], frames: Frames, frame: str | None = None) -> bool:
-    """Whether the frames tell where each layer was at its stamp."""
+    """Return True if the frames tell where each layer was at its stamp."""
     inside = _frame_of(layers, frame)
     return all(
         frames.place(inside, one.frame, one.stamp) is not None and not frames.beyond(inside, one.frame, one.stamp)

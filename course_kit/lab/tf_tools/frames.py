@@ -28,7 +28,7 @@ class Frame:
 
     @property
     def is_late(self) -> bool:
-        """Whether it moves and nothing new is known of it."""
+        """True if it moves and nothing new is known of it."""
         return self.age is not None and self.age > max(LATE, PERIODS / (self.rate or math.inf))
 
 

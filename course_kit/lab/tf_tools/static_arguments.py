@@ -51,7 +51,7 @@ class StaticTransform:
 
 
 def wants_help(words: list[str]) -> bool:
-    """Whether the command line asks for the usage only."""
+    """Return True if the command line asks for the usage only."""
     return "--help" in words or "-h" in words
 
 

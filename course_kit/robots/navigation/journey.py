@@ -67,7 +67,7 @@ class Journey:
         self.end = self.end or End(False, code, why)
 
     def wants_path(self, now: float) -> bool:
-        """Whether to look for a path now; asked again and again, it says so every AGAIN seconds."""
+        """Return True if it is time to look for a path, every AGAIN seconds at most."""
         if self._arrived or not self._wants or now < self._asked + AGAIN:
             return False
         self._asked, self._waits = now, True

@@ -100,7 +100,7 @@ class ParticleFilter:
 
     @property
     def is_together(self) -> bool:
-        """Whether the particles agree about where the robot is."""
+        """True if the particles agree about where the robot is."""
         return max(self.spread()[:2]) < TOGETHER
 
     def _resample(self) -> None:

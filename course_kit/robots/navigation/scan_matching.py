@@ -107,5 +107,5 @@ class Slam:
 
 
 def _is_elsewhere(step: Place) -> bool:
-    """Whether a scan there says anything new: of a robot at rest, each would make its map surer and no better."""
+    """Return True if a scan there says anything new: at rest, each would make the map surer and no better."""
     return math.hypot(step[0], step[1]) > 0.02 or abs(step[2]) > 0.02

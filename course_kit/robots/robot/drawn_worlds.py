@@ -60,7 +60,7 @@ def _piece(world: World, chance: random.Random) -> World:
 
 
 def _is_within(piece: World, world: World) -> bool:
-    """Whether it does not come out on the other side of the walls around."""
+    """Return True if it does not come out on the other side of the walls around."""
     x0, y0, x1, y1 = world.bounds()
     left, bottom, right, top = piece.bounds()
     return x0 <= left and y0 <= bottom and right <= x1 and top <= y1

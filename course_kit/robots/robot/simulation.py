@@ -96,7 +96,7 @@ class Simulation:
 
     @property
     def is_empty(self) -> bool:
-        """Whether no robot is left."""
+        """True if no robot is left."""
         return not self._vehicles
 
     @property
@@ -146,7 +146,7 @@ class Simulation:
             self._lock.release()
 
     def _lingers(self, now: float) -> bool:
-        """Whether time is slow for a robot whose next command, or the correction of whose odometry, is late.
+        """Return True if time is slow for a robot whose next command, or the correction of whose odometry, is late.
 
         It does not stand still: a node's timer may have missed the last /clock, and then needs another one.
         """

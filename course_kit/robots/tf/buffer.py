@@ -124,7 +124,7 @@ class Buffer(BufferCore, BufferInterface):
         timeout: Duration = Duration(),  # noqa: B008
         return_debug_tuple: bool = False,
     ) -> Any:
-        """Whether there is a transform, waiting for up to `timeout`; with return_debug_tuple also why not."""
+        """Return True if there is a transform, waiting for up to `timeout`; with return_debug_tuple also why not."""
         answer = self._wait(partial(self.can_transform_core, target_frame, source_frame, time), timeout)
         return answer if return_debug_tuple else answer[0]
 

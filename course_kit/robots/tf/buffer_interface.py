@@ -89,7 +89,7 @@ class BufferInterface:
         time: Any,
         timeout: Duration = Duration(),  # noqa: B008
     ) -> Any:
-        """Whether there is a transform."""
+        """Return True if there is a transform."""
         raise NotImplementedException
 
     def can_transform_full(

@@ -61,7 +61,7 @@ class BufferCore:
         return transform_stamped(target_frame, source_frame, stamp, where)
 
     def can_transform_core(self, target_frame: str, source_frame: str, time: Any) -> tuple[bool, str]:
-        """Whether there is a transform now, and if not, why."""
+        """Return True if there is a transform now, and if not, why."""
         problem = self.tree.problem(target_frame, source_frame, nanoseconds(time))
         return not problem, problem
 

@@ -18,7 +18,7 @@ class Sample(NamedTuple):
     placement: RigidTransform
 
     def same(self, other: Sample) -> bool:
-        """Whether it says the same."""
+        """Return True if it says the same."""
         equal = (self.placement.translation == other.placement.translation).all()
         return self.parent == other.parent and equal and (self.placement.rotation == other.placement.rotation).all()
 

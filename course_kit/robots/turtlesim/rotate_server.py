@@ -83,7 +83,7 @@ class RotateServer(ActionServer):
     # An executor in several threads may still hold on to a server that another thread destroys.
 
     def is_ready(self, wait_set: Any) -> bool:
-        """Whether something came; never once it is destroyed."""
+        """Return True if something came; never once it is destroyed."""
         return not self._destroyed and super().is_ready(wait_set)
 
     def take_data(self) -> dict[str, Any]:

@@ -43,7 +43,7 @@ class SeenTurtle:
 
     @property
     def is_somewhere(self) -> bool:
-        """Whether it has come, and to a place: a turtle that is sent to NaN is nowhere."""
+        """True if it has come, and to a place: a turtle that is sent to NaN is nowhere."""
         return self.pose is not None and all(map(math.isfinite, self.pose))
 
 

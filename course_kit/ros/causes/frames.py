@@ -20,13 +20,13 @@ def steps(traceback: TracebackType | None) -> Iterator[TracebackType]:
 
 
 def is_plumbing(path: Path) -> bool:
-    """Whether a file is the course's, rclpy's, or one of those that messages are generated into."""
+    """Return True if a file is the course's, rclpy's, or one of those that messages are generated into."""
     is_generated = path.name.startswith("_") and path.parent.name in ("msg", "srv", "action")
     return path.is_relative_to(PACKAGE) or "rclpy" in path.parts or is_generated
 
 
 def is_library(path: Path) -> bool:
-    """Whether a file is of Python's standard library or of an installed package."""
+    """Return True if a file is of Python's standard library or of an installed package."""
     is_source = path.is_absolute()  # "<frozen …>" is not, nor is what Cython has compiled
     return not is_source or any(path.is_relative_to(one) for one in LIBRARIES)
 

@@ -1,4 +1,4 @@
-"""Whether what is handed to create_timer() and its like can be used: executors find out where no line is known."""
+"""Looks if the arguments of create_timer() and its like can be used: executors find out where no line is known."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether this process knows the whole graph of this machine, so that a list of it misses nothing.
+"""Waits until this process knows the whole graph of this machine, so that a list of it misses nothing.
 
 Three sources, each complete in its own way, are compared: the UDP ports on which participants of this domain listen
 (how many there are), the `ros_discovery_info` message that every participant keeps for newcomers (its nodes, and the
@@ -109,7 +109,7 @@ class Discovery:
         return True
 
     def is_whole(self) -> bool:
-        """Whether every participant is known and has named its nodes, and all their endpoints are known."""
+        """Return True if every participant is known and has named its nodes, and all their endpoints are known."""
         node = self._node()
         if node is None:
             return False
@@ -143,7 +143,7 @@ class Discovery:
 
     @property
     def reads(self) -> bool:
-        """Whether what participants announce can be read with this middleware."""
+        """True if the announcements of participants can be read with this middleware."""
         return self._subscription is not None
 
     def announced(self) -> list[Entities]:

@@ -42,7 +42,7 @@ class NodeName:
 
 
 def is_hidden(name: str) -> bool:
-    """Whether a part of a name begins with an underscore: such names are for tools, and not listed."""
+    """Return True if a part of a name begins with an underscore: such names are for tools, and not listed."""
     return any(part.startswith("_") for part in name.split("/"))
 
 

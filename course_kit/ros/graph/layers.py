@@ -27,7 +27,7 @@ class Box:
 
     @property
     def is_line(self) -> bool:
-        """Whether it only keeps a place for a line that passes the layer."""
+        """True if it only keeps a place for a line that passes the layer."""
         return self.width == 0.0
 
 

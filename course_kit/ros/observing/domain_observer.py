@@ -81,14 +81,14 @@ class DomainObserver:
         self._processes |= {pid & 0xFFFF for pid in own_ids(pids)}
 
     def counts(self, endpoint: bytes) -> bool:
-        """Whether an endpoint, by its id, is one of the answer."""
+        """Return True if an endpoint, by its id, is one of the answer."""
         if not (self._examined or self._processes) or not endpoint:
             return True
         origin = Origin.of(endpoint)
         return endpoint[:PARTICIPANT_SIZE] in self._examined or origin is None or origin.pid_bits in self._processes
 
     def is_own(self, endpoint: bytes) -> bool:
-        """Whether an endpoint, by its id, is one of the checker's."""
+        """Return True if an endpoint, by its id, is one of the checker's."""
         if self._own is None:
             name = self.node.get_name(), self.node.get_namespace()
             self._own = next((one.participant for one in self.discovery.announced() if name in one.nodes), None)
@@ -133,7 +133,7 @@ class DomainObserver:
         return [e for e in topics.subscriptions(self.node, topic) if self._is_theirs(e)]
 
     def is_published_by_the_answer(self, topic: str) -> bool:
-        """Whether the answer publishes a topic, be it under the name of a node of the checker's."""
+        """Return True if the answer publishes a topic, be it under the name of a node of the checker's."""
         ids = [bytes(each.endpoint_gid) for each in topics.publishers(self.node, topic)]
         return any(self.counts(one) and not self.is_own(one) for one in ids)
 

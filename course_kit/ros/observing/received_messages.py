@@ -26,7 +26,7 @@ class Arrival:
     message: Any = None  # once it was asked for: checks look again and again, beside a simulator that must not wait
 
     def repeats(self, other: Arrival) -> bool:
-        """Whether the same publisher says the same again."""
+        """Return True if the same publisher says the same again."""
         return (self.publisher, self.serialised) == (other.publisher, other.serialised)
 
 

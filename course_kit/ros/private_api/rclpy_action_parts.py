@@ -32,7 +32,7 @@ def awaited_of(action: ActionClient) -> Iterator[tuple[Future, str, bytes]]:
 
 
 def blocks(action: Any) -> bool:
-    """Whether it is an action server that keeps a thread for as long as a goal runs."""
+    """Return True if it is an action server that keeps a thread for as long as a goal runs."""
     execute = getattr(action, "_execute_callback", None)
     return execute is not None and not inspect.iscoroutinefunction(execute)
 

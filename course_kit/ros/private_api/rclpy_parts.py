@@ -110,7 +110,7 @@ def fast_executor(context: Context) -> Executor:
 
 
 def is_fast(executor: Executor) -> bool:
-    """Whether it is an EventsExecutor."""
+    """Return True if it is an EventsExecutor."""
     return not isinstance(executor, Executor)
 
 

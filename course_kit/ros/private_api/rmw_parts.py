@@ -116,7 +116,7 @@ class Sample:
 
 
 def is_fast_dds() -> bool:
-    """Whether the middleware is Fast DDS: what stands here about ids and announcements is true of it."""
+    """Return True if the middleware is Fast DDS: what stands here about ids and announcements is true of it."""
     return rclpy.get_rmw_implementation_identifier().startswith("rmw_fastrtps")
 
 

@@ -56,7 +56,7 @@ EXECUTORS = [KIT / room for room in ("lab/background", "ros/private_api", "ros/s
 
 
 def _is_of_executors(path: Path) -> bool:
-    """Whether it is what calls a callback: of the course's own nodes that is all that is left out."""
+    """Return True if it is what calls a callback: of the course's own nodes that is all that is left out."""
     return "rclpy" in path.parts or path.parent in EXECUTORS
 
 

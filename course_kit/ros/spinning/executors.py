@@ -35,7 +35,7 @@ def executor_for(node: Node) -> Executor:
 
 
 def needs_usual_executor(node: Node) -> bool:
-    """Whether a node has something that the EventsExecutor does not do as the others."""
+    """Return True if a node has something that the EventsExecutor does not do as the others."""
     if actions_of(node):
         return True
     entities: list[Any] = [*node.subscriptions, *node.timers, *node.services]
@@ -43,7 +43,7 @@ def needs_usual_executor(node: Node) -> bool:
 
 
 def _takes_info(node: Node) -> bool:
-    """Whether a subscription has a callback that takes the message and its info, found out as rclpy does."""
+    """Return True if a subscription has a callback that takes the message and its info, found out as rclpy does."""
     for subscription in node.subscriptions:
         try:
             inspect.signature(subscription.callback).bind(object())
@@ -93,7 +93,7 @@ class SpinThread:
 
     @property
     def is_alive(self) -> bool:
-        """Whether the thread runs."""
+        """True if the thread runs."""
         return self._thread.is_alive()
 
     def _spin(self) -> None:

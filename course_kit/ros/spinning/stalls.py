@@ -30,7 +30,7 @@ class Stall:
 
     @property
     def is_long(self) -> bool:
-        """Whether it takes so long that it should be said."""
+        """True if it takes so long that it should be said."""
         return time.time() - self.since >= LONG
 
 

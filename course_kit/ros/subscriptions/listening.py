@@ -57,7 +57,7 @@ class Listening:
 
     @property
     def is_running(self) -> bool:
-        """Whether messages still come in: until stop(), or until ROS is shut down."""
+        """True if messages still come in: until stop(), or until ROS is shut down."""
         return any(subscription.is_open for subscription in self._subscriptions.values())
 
     def _now(self) -> int:

@@ -62,7 +62,7 @@ class RawSubscription:
 
     @property
     def is_open(self) -> bool:
-        """Whether messages still come: until close(), or until ROS is shut down."""
+        """True if messages still come: until close(), or until ROS is shut down."""
         return not (self.closing or self.closed.is_set())
 
     @property
@@ -156,11 +156,11 @@ class Watcher:
 
     @property
     def is_alive(self) -> bool:
-        """Whether the thread runs."""
+        """True if the thread runs."""
         return self._thread.is_alive()
 
     def is_current_thread(self) -> bool:
-        """Whether this is the watching thread."""
+        """Return True if this is the watching thread."""
         return threading.current_thread() is self._thread
 
     def subscribe(

@@ -1,4 +1,4 @@
-"""Whether what a workspace has installed of a package is what its source says now. Everything is read as data."""
+"""Tells if the installed files of a package are those that its source makes now. Everything is read as data."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def metadata(paths: list[Path]) -> list[Path]:
 
 
 def is_made_by_hand(workspace: Path, package: str) -> bool:
-    """Whether an installed Python package lacks what every build of one leaves."""
+    """Return True if an installed Python package lacks what every build of one leaves."""
     return not metadata(module_paths(workspace, package))
 
 
@@ -60,7 +60,7 @@ def _modules(place: Path, tops: set[str]) -> Iterator[Path]:
 
 
 def comes_from_source(workspace: Path, package: str, installed: Path) -> bool:
-    """Whether a file of this name in the package's source says the same as an installed one."""
+    """Return True if a file of this name in the package's source says the same as an installed one."""
     source = workspace / "src" / package
     named = [path for path in regular_files.below(source) if path.name == installed.name]
     return any(regular_files.are_same(path, installed) for path in named)

@@ -72,7 +72,7 @@ class Build:
 
     @property
     def ok(self) -> bool:
-        """Whether all was built."""
+        """True if all was built."""
         return self.status == 0
 
     def __repr__(self) -> str:

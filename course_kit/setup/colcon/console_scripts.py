@@ -1,4 +1,4 @@
-"""Whether an installed program is what setuptools makes of an entry point, and of which. Everything is read as data."""
+"""Tells if setuptools has made an installed program of an entry point, and of which. Everything is read as data."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def fault(workspace: Path, package: str, program: Path) -> str:
 
 
 def _is_copied(source: Path, text: str) -> bool:
-    """Whether setup.py names a file that is this, but for the first line, in which setuptools names the Python."""
+    """Return True if setup.py names a file like this, but for the first line, in which setuptools names the Python."""
     named = {word.rpartition("/")[2] for word in _words(source)}
     same = [
         file for file in regular_files.below(source) if (regular_files.text_of(file) or "").partition("\n")[2] == text
@@ -99,7 +99,7 @@ def _targets(described: Path, name: str) -> Iterator[str]:
 
 
 def _is_python(first: str) -> bool:
-    """Whether the first line of a program names this Python, or one of the system."""
+    """Return True if the first line of a program names this Python, or one of the system."""
     named = first.removeprefix("#!").strip()
     folder, _, name = named.rpartition("/")
     known = folder in SYSTEM_FOLDERS or os.path.realpath(folder) == os.path.realpath(os.path.join(sys.prefix, "bin"))
@@ -107,7 +107,7 @@ def _is_python(first: str) -> bool:
 
 
 def _is_made_for(text: str, name: str, target: str) -> bool:
-    """Whether a program is what setuptools or pip writes for an entry point."""
+    """Return True if a program is what setuptools or pip writes for an entry point."""
     spec = re.search(r"^__requires__ = '([^'\\]*)'$", text, re.MULTILINE)
     module, _, function = target.partition(":")
     try:
@@ -120,7 +120,7 @@ def _is_made_for(text: str, name: str, target: str) -> bool:
 
 
 def _has_module(workspace: Path, package: str, target: str) -> bool:
-    """Whether the first module of this name that Python finds in the workspace is one of the package's source."""
+    """Return True if the first module of this name that Python finds in the workspace is of the package's source."""
     place = Path(*target.partition(":")[0].split("."))
     candidates = [base / end for base in module_paths(workspace) for end in (f"{place}.py", place / "__init__.py")]
     found = next((path for path in candidates if path.is_file()), None)
@@ -128,7 +128,7 @@ def _has_module(workspace: Path, package: str, target: str) -> bool:
 
 
 def _is_stated(workspace: Path, package: str, name: str, target: str) -> bool:
-    """Whether setup.py has the entry point: in so many words, or by what it computes."""
+    """Return True if setup.py has the entry point: in so many words, or by what it computes."""
     source = workspace / "src" / package
     wanted = re.compile(rf"(?<![\w.-]){re.escape(name)}[\"']?\s*=\s*[\"']?\s*{re.escape(target)}(?![\w.])")
     if wanted.search("\n".join(_words(source))):

@@ -35,7 +35,7 @@ def text_of(path: Path) -> str | None:
 
 
 def are_same(path: Path, other: Path) -> bool:
-    """Whether two files say the same; of long ones the beginning is read."""
+    """Return True if two files say the same; of long ones the beginning is read."""
     with contextlib.suppress(OSError):
         data = beginning_of(path)
         return data is not None and path.stat().st_size == other.stat().st_size and data == beginning_of(other)

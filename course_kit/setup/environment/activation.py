@@ -29,7 +29,7 @@ LOCKS = "COURSE_KIT_LOCKS"  # those of the user's domain, over that restart
 
 
 def has_package(prefix: str, name: str) -> bool:
-    """Whether a ROS package is installed there."""
+    """Return True if a ROS package is installed there."""
     return os.path.exists(os.path.join(prefix, "share/ament_index/resource_index/packages", name))
 
 

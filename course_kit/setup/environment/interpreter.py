@@ -49,7 +49,7 @@ class Interpreter:
 
 
 def supported(version: Sequence[int], ros: RosInstallation | None) -> bool:
-    """Whether the course runs on this version: that of a sourced ROS 2 where there is one."""
+    """Return True if the course runs on this version: that of a sourced ROS 2 where there is one."""
     if ros is not None:
         minor = ".".join(map(str, version[:2]))
         return Path(ros.prefix, f"lib/python{minor}/site-packages/rclpy").is_dir()

@@ -26,12 +26,12 @@ BROUGHT_BY_ROS = ("cmake", "ninja")
 
 
 def is_ros(name: str) -> bool:
-    """Whether a package is one of the wheels of ROS 2, or comes with a ROS 2 from apt."""
+    """Return True if a package is one of the wheels of ROS 2, or comes with a ROS 2 from apt."""
     return name.startswith("ros-") or name in BROUGHT_BY_ROS
 
 
 def compiler_is_wanted(environ: Mapping[str, str]) -> bool:
-    """Whether to install the compiler that is a wheel: the machine has none, and ROS 2 is not one that g++ compiled."""
+    """Return True if the compiler in a wheel is needed: the machine has none, and ROS 2 is not one from apt."""
     return sourced_ros(environ) is None and compiler.of_the_machine(environ) is None
 
 

@@ -1,4 +1,4 @@
-"""Whether the course's .venv is finished and fits: set-up leaves a stamp in it, every start compares.
+"""Tells if the course's .venv is finished and fits: set-up leaves a stamp in it, every start compares.
 
 Runs with a bare Python and quickly, for it is part of every start:
 

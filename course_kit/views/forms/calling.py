@@ -69,7 +69,7 @@ class _Background(Sender):
         raise NotImplementedError
 
     def _wait(self, condition: Callable[[], Any], timeout: float | None, poll: float = POLL) -> Any:
-        """Whether a condition comes true before the time is over, or the form ends."""
+        """Return True if a condition comes true before the time is over, or the form ends."""
         wait_until(lambda: condition() or self._ending.is_set(), timeout, poll)
         return condition()
 

@@ -91,7 +91,7 @@ class NodeConsole(Console):
 
     @property
     def is_looked_after(self) -> bool:
-        """Whether there may be something to be said of it."""
+        """True if there may be something to be said of it."""
         return self.state.startswith(("running", "stuck"))
 
     def look(self) -> None:

@@ -44,7 +44,7 @@ class Life:
 
     @property
     def is_running(self) -> bool:
-        """Whether it is still shown anew."""
+        """True if it is still shown anew."""
         return self._thread is not None and self._thread.is_alive()
 
     def stop(self) -> None:

@@ -70,12 +70,12 @@ class RobotTopics:
 
     @property
     def is_there(self) -> bool:
-        """Whether a node publishes its odometry."""
+        """True if a node publishes its odometry."""
         return self._node.count_publishers(self.odometry) > 0
 
     @property
     def is_open(self) -> bool:
-        """Whether ROS still runs."""
+        """True if ROS still runs."""
         return bool(self._node.context.ok())
 
     def close(self) -> None:

@@ -41,7 +41,7 @@ def ends(display: str) -> None:
 
 
 def somebody_looks() -> bool:
-    """Whether what is shown anew would be seen: not if each tab is hidden, closed, or asleep."""
+    """Return True if an update would be seen: not if each tab is hidden, closed, or asleep."""
     with _lock:
         now = -math.inf if _runs_cell.is_set() else time.monotonic()
         return not _looking or any(until > now for until in _looking.values())

@@ -70,7 +70,7 @@ class TurtleTopics:
 
     @property
     def misses_poses(self) -> bool:
-        """Whether the simulator has told of turtles whose poses do not come yet: it is time to look()."""
+        """True if the simulator has told of turtles whose poses do not come yet: it is time to look()."""
         return bool(self.field.turtles.keys() - self._poses.keys())
 
     def ask(self, service_type: Any, name: str, then: Callable[[Any], None], /, **request: Any) -> None:

@@ -54,7 +54,7 @@ class View(Life):
         stop_all(self._replaces)
 
     def _replaces(self, other: Life) -> bool:
-        """Whether another is the same, from an earlier run of the cell."""
+        """Return True if another is the same, from an earlier run of the cell."""
         if not isinstance(other, View) or other._request == self._request:
             return False
         return (other.kind, other._cell) == (self.kind, self._cell)

@@ -98,7 +98,7 @@ def _check_cancelled(handle: Any, cancelled: Any) -> None:
 
 @contextmanager
 def _interrupt() -> Iterator[Callable[[], bool]]:
-    """Whether an interrupt has come while the block runs; a second one is raised, unless it is the same once more."""
+    """Return True if an interrupt came while the block ran; a second one is raised, unless it is the same again."""
     came: list[float] = []
 
     def note(number: int, frame: FrameType | None) -> None:

@@ -55,7 +55,7 @@ class System:
 
 
 def network(system: System) -> Iterator[str]:
-    """Whether there is a loopback interface, another one, and one for multicast."""
+    """Return True if there is a loopback interface, another one, and one for multicast."""
     flags = [interface.get("flags", "").split(",") for interface in system.interfaces]
     if not any("LOOPBACK" in f for f in flags):
         yield f"{ERROR}No loopback IP address is found."
@@ -66,7 +66,7 @@ def network(system: System) -> Iterator[str]:
 
 
 def package(system: System) -> Iterator[str]:
-    """Whether packages are found, with their versions."""
+    """Return True if packages are found, with their versions."""
     if not system.packages:
         yield f"{ERROR}local package info is not found."
     if names := " ".join(name for name, version in system.packages.items() if not version):
@@ -75,7 +75,7 @@ def package(system: System) -> Iterator[str]:
 
 
 def platform(system: System) -> Iterator[str]:
-    """Whether the distribution is known and supported."""
+    """Return True if the distribution is known and supported."""
     if not system.distro:
         yield f"{ERROR}ROS_DISTRO is not set."
     elif system.distro not in KNOWN:

@@ -89,7 +89,7 @@ class Multicast:
         self._has_warned = True
 
     def send(self, text: str) -> bool:
-        """Whether the text was sent."""
+        """Return True if the text was sent."""
         try:
             self._out.sendto(text.encode(), (GROUP, PORT))
         except OSError as error:

@@ -90,7 +90,7 @@ class _Bracket:
 
     @property
     def is_of_sequence(self) -> bool:
-        """Whether the value is, or was, a sequence."""
+        """True if the value is, or was, a sequence."""
         return not self.element and bool(self.slot.is_array)
 
     def values(self) -> list[str]:

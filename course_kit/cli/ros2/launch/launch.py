@@ -99,7 +99,7 @@ def _without_duration(words: Sequence[str]) -> list[str]:
 
 
 def _is_real() -> bool:
-    """Whether ROS 2's own `ros2 launch` is installed; then that one runs."""
+    """Return True if ROS 2's own `ros2 launch` is installed; then that one runs."""
     spec = find_spec("ros2launch")
     return spec is not None and spec.origin is not None
 

@@ -68,7 +68,7 @@ def qos_options(default: str) -> Arguments:
 
 
 def is_chosen(args: Namespace) -> bool:
-    """Whether the command line names a policy, so that the QoS does not follow the publishers."""
+    """Return True if the command line names a policy, so that the QoS does not follow the publishers."""
     return any(getattr(args, f"qos_{policy.replace('-', '_')}") is not None for policy in POLICIES)
 
 

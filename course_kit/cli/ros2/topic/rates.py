@@ -75,7 +75,7 @@ class _Topic:
         return receive
 
     def _goes_on(self, time_ns: int) -> bool:
-        """Whether the message has a time; what came before is forgotten if the simulation began anew."""
+        """Return True if the message has a time; what came before is forgotten if the simulation began anew."""
         if time_ns == 0 and self.window.count:
             self._notes.put("time has reset, resetting counters")
         if time_ns < self._last:
@@ -85,7 +85,7 @@ class _Topic:
         return time_ns > 0
 
     def has_news(self, session: Session, least: int = 1) -> bool:
-        """Whether messages came since it was asked last, at least so many in all. Raises what failed meanwhile."""
+        """Return True if messages came since the last call, at least `least` in all. Raises what failed meanwhile."""
         while not self._notes.empty():
             session.print(self._notes.get())
         if not self._failures.empty():

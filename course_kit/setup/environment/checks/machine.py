@@ -38,7 +38,7 @@ def operating_system(system: str, release: Mapping[str, str], kernel: str = "") 
 
 
 def is_wsl(kernel: str) -> bool:
-    """Whether this is Linux in Windows: its kernel is called 5.15.90.1-microsoft-standard-WSL2."""
+    """Return True if this is Linux in Windows: its kernel is called 5.15.90.1-microsoft-standard-WSL2."""
     return "microsoft" in kernel.lower()
 
 
@@ -116,7 +116,7 @@ def disk(folder: Path, ready: bool) -> Check:
 
 
 def is_of_windows(folder: Path) -> bool:
-    """Whether it is on a disk of Windows, seen from WSL."""
+    """Return True if it is on a disk of Windows, seen from WSL."""
     return is_wsl(platform.release()) and re.match(r"/mnt/[a-z]/", f"{folder}/") is not None
 
 

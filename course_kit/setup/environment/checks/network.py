@@ -53,7 +53,7 @@ def shared_memory_space(folder: Path, free: int, total: int) -> Check:
 
 
 def is_free(port: int, address: str = LOOPBACK) -> bool:
-    """Whether a server could listen there."""
+    """Return True if a server could listen there."""
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

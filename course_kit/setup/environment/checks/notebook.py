@@ -44,7 +44,7 @@ def widgets(python: Interpreter) -> Check:
 
 
 def has_browser(environ: Mapping[str, str]) -> bool:
-    """Whether a browser can open a window here."""
+    """Return True if a browser can open a window here."""
     if environ.get("BROWSER"):
         return True
     screen = environ.get("DISPLAY") or environ.get("WAYLAND_DISPLAY")

@@ -79,7 +79,7 @@ def round_trip(
 
 
 def node(result: RoundTrip) -> Check:
-    """Whether a node starts and a message gets from one process to another."""
+    """Return True if a node starts and a message gets from one process to another."""
     if result.error:
         reason = "rclpy does not start a node; the lines ROS 2, RMW_IMPLEMENTATION and PYTHONPATH may say more"
         return fail(result.error, reason, RENEW)
