@@ -198,7 +198,7 @@ def _said_by(result: NavigateToPose.Result | None) -> str:
 
 
 def _has_own() -> bool:
-    """Return True if the process that publishes the judged topics, or serves /get_plan, is a program of the workspace."""
+    """Return True if a program of the workspace publishes the judged topics or serves /get_plan."""
     node = current().test_domain.node
     names = [*(f"rt{topic}" for topic in JUDGED), *service_topics("/get_plan")]
     ids = [bytes(end.endpoint_gid) for name in names for end in node.get_publishers_info_by_topic(name, no_mangle=True)]
