@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import re
 import signal
 import subprocess
 import threading
 import time
+from argparse import Action, ArgumentTypeError
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from course_kit.cli.ros2 import command
+from course_kit.cli.ros2.command import COMMANDS
 from course_kit.lab.background.running import run as start
 from course_kit.lab.background.running import stop
 from course_kit.robots.turtlesim.node import TurtleSim
@@ -21,6 +25,7 @@ from tests.kernel import Kernel
 from tests.ros2_bad_calls import CALLS
 from tests.ros2_bad_calls.call import FILES, FOLDERS, NO_TEXT, Bad
 from tests.ros2_command import COMMAND
+from tests.test_ros2_help import parser_of, parsers_below
 
 pytestmark = pytest.mark.by_turns("a program or a cell for each", of="cases")
 
@@ -88,8 +93,50 @@ for bad in CALLS[::STEP]:
         magic("ros2", shlex.join(bad.words(FILES)))
     said.append((bad, out.getvalue()))
 """
-STEP = 6  # every so manieth of the table also in a notebook
+STEP = 6  # every 6th case of the table also in a notebook
 JUDGED = "print([(bad, text[:500]) for bad, text in said if len(text) > MOST or not re.search(bad.says, text, re.S)])"
+
+
+NUMBERS = ("", "nan", "inf", "-inf", "1e400", "-1", "five", "½", "x" * 100_000)
+# Where -1 has a meaning, or is refused in other words.
+HAS_NEGATIVE = {"--qos-depth", "--qos-liveliness-lease-duration-seconds"}
+HAS_NEGATIVE |= {"--playback-duration", "--playback-until-sec", "--playback-until-nsec"}
+
+
+def options() -> Iterator[tuple[str, Action]]:
+    """Every option of every verb, with the words before it."""
+    for name in COMMANDS:
+        for verb in ((), *((one,) for one in parsers_below(parser_of(name)))):
+            for action in parser_of(name, *verb)._actions:
+                yield f"{' '.join((name, *verb))} {max(action.option_strings, key=len, default=action.dest)}", action
+
+
+def test_each_option_that_has_a_number_takes_nothing_else() -> None:
+    """One kind of converter reads them all, so each verb refuses the same in the same words."""
+    found = dict(options())
+    numeric = {name: action.type for name, action in found.items() if is_number(action)}
+    assert len(numeric) > 80
+    assert [name for name, one in found.items() if isinstance(one.default, float | int) and not takes_text(one)] == []
+    taken = {(name, text) for name, convert in numeric.items() for text in NUMBERS if takes(convert, text)}
+    assert taken == {
+        (name, "-1") for name in numeric if name.split()[-1] in HAS_NEGATIVE or name == "service call --rate"
+    }
+
+
+def takes(convert: Any, text: str) -> bool:
+    with contextlib.suppress(ArgumentTypeError):
+        convert(text)
+        return True
+    return False
+
+
+def is_number(action: Action) -> bool:
+    return getattr(action.type, "__qualname__", "").startswith("number.")
+
+
+def takes_text(action: Action) -> bool:
+    """Return True for a flag, a choice, and an option with a converter of numbers."""
+    return is_number(action) or action.nargs == 0 or bool(action.choices)
 
 
 def shown(bad: Bad) -> str:

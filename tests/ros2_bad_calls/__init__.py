@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from tests.ros2_bad_calls.nodes import INTERFACE_AND_PKG, LIFECYCLE, NODE_AND_PARAM
-from tests.ros2_bad_calls.numbers import numbers
 from tests.ros2_bad_calls.programs import BAG, RUN_LAUNCH_DOCTOR
 from tests.ros2_bad_calls.topics import ACTION, SERVICE, TOPIC
 
 CALLS = [
-    *numbers(),
     *TOPIC,
     *SERVICE,
     *ACTION,
