@@ -29,6 +29,7 @@ from course_kit.exercises.faults import all_faults, health, lab
 from course_kit.exercises.faults.fault import PROGRAMS
 from course_kit.ros.observing.domain_observer import DomainObserver
 from course_kit.ros.spinning import context
+from tests.exercises.no_notebook import NoNotebook
 from tests.kernel import Kernel
 from tests.ros2_command import ros2
 from tests.ros2_launches import none_left
@@ -276,7 +277,7 @@ def test_a_student_asks_whether_it_is_repaired_before_and_after():
 def test_a_check_can_ask_the_same(observer: DomainObserver):
     exercise = replace(find("topics-1"), node_class=None, node="/planner", timeout=60.0)
     faults.start()
-    begin(Examination(exercise, observer, observer, {}, lambda order, timeout: {}))
+    begin(Examination(exercise, observer, observer, {}, NoNotebook()))
     try:
         assert expect_well(points=1, timeout=HEALTHY_TIMEOUT)
         faults.process("map_server").stop()

@@ -11,6 +11,7 @@ from course_kit.exercises.catalogue import find
 from course_kit.exercises.checker.examination import Examination, begin
 from course_kit.exercises.domains import reserve_domain
 from course_kit.ros.observing.domain_observer import DomainObserver
+from tests.exercises.no_notebook import NoNotebook
 
 
 @pytest.fixture(scope="session")
@@ -23,9 +24,8 @@ def test_domain() -> int:
 def examination(test_domain: int) -> Iterator[Examination]:
     """One that runs, in the test domain and without a notebook: assertions note their findings in it."""
     observer = DomainObserver(test_domain, only_here=True)
-    made = Examination(
-        replace(find("services-1"), node_class=None, timeout=60.0), observer, observer, {}, lambda order, timeout: {}
-    )
+    asked = replace(find("services-1"), node_class=None, timeout=60.0)
+    made = Examination(asked, observer, observer, {}, NoNotebook())
     begin(made)
     yield made
     begin(None)

@@ -12,6 +12,7 @@ from random import Random
 from typing import Any
 
 from course_kit.base.polling import wait_until
+from course_kit.exercises.checker.notebook import Notebook
 from course_kit.exercises.checker.student_monitor import WatchedTopic
 from course_kit.exercises.exercise import Exercise
 from course_kit.exercises.notebook_folder import beside_the_notebook
@@ -40,7 +41,7 @@ class Examination:
     test_domain: DomainObserver  # in a domain of the checker's, where a student's class is made anew
     student: DomainObserver  # in the domain in which the student's nodes run
     watched: dict[str, WatchedTopic]  # what was heard in the student's domain since the chapter's first check, by topic
-    send_order: Callable[[dict[str, Any], float], dict[str, Any]]
+    notebook: Notebook
     folder: Path = Path("/")  # the kernel's; then the notebook's
     seed: int = 0  # of all that the check draws
     pid: int = field(default_factory=os.getpid)  # the process in which a student's class is made
@@ -112,9 +113,7 @@ class Examination:
 
     def order(self, do: str, timeout: float = ORDER_TIMEOUT, **details: Any) -> dict[str, Any]:
         """Have the notebook do something; its answer has a `value` or an `error`."""
-        return self.send_order(
-            {"do": do, "domain": self.test_domain.domain, **details}, max(0.1, min(timeout, self.left))
-        )
+        return self.notebook.order(do, self.test_domain.domain, max(0.1, min(timeout, self.left)), **details)
 
 
 _current: Examination | None = None

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import itertools
 import queue
 import secrets
 import signal
 import threading
-import time
 import traceback
 from dataclasses import asdict
 from pathlib import Path
@@ -18,6 +16,7 @@ from course_kit.base.shutdown import watchdog
 from course_kit.exercises import catalogue
 from course_kit.exercises.checker import checks, examination, own_types
 from course_kit.exercises.checker.examination import Ended, Examination, OutOfTime
+from course_kit.exercises.checker.notebook import Notebook
 from course_kit.exercises.checker.student_monitor import StudentDomainMonitor
 from course_kit.exercises.domains import reserve_domain
 from course_kit.exercises.exercise import Exercise
@@ -39,8 +38,7 @@ class Checker:
     def __init__(self, channel: Channel) -> None:
         self._channel = channel
         self._requests: queue.Queue[Message | None] = queue.Queue()
-        self._answers: queue.Queue[Message] = queue.Queue()
-        self._numbers = itertools.count(1)
+        self._notebook = Notebook(channel)
         threading.Thread(target=self._read, name="requests", daemon=True).start()
         self.student = DomainObserver(None, only_here=False)
         self.test_domain = DomainObserver(reserve_domain(), only_here=True)
@@ -52,7 +50,7 @@ class Checker:
             while True:
                 message = self._channel.receive()
                 if message is not None:
-                    (self._answers if "answer" in message else self._requests).put(message)
+                    (self._notebook.take if "answer" in message else self._requests.put)(message)
         watchdog.end_in(END_TIMEOUT, status=1)  # in case something hangs
         self._requests.put(None)
 
@@ -79,7 +77,7 @@ class Checker:
         seed = secrets.randbelow(SEEDS) if seed is None else int(seed)
         folder, pid = Path(request["folder"]), int(request["pid"])
         running = Examination(
-            exercise, self.test_domain, self.student, self._monitor.watched, self._order, folder, seed, pid
+            exercise, self.test_domain, self.student, self._monitor.watched, self._notebook, folder, seed, pid
         )
         return {"verdict": asdict(self.examine(running, request.get("value")))}
 
@@ -126,7 +124,7 @@ class Checker:
         with contextlib.suppress(Exception):
             running.ending.close()
         if running.exercise.node_class:
-            self._order({"do": "stop", "domain": self.test_domain.domain}, END_TIMEOUT)
+            self._notebook.order("stop", self.test_domain.domain, END_TIMEOUT)
         self.test_domain.tidy()
         self.student.tidy()
 
@@ -176,18 +174,6 @@ class Checker:
                     self.student.node_log()
                 else:
                     self._monitor.watch(topic, message_type)
-
-    def _order(self, order: Message, timeout: float) -> dict[str, Any]:
-        """Have the notebook do something. Raises Closed if it has gone."""
-        number = next(self._numbers)
-        self._channel.send({"order": number, "timeout": timeout, **order})
-        deadline = time.monotonic() + timeout + 1.0  # the notebook answers in time even if what it runs does not
-        while (left := deadline - time.monotonic()) > 0:
-            with contextlib.suppress(queue.Empty):
-                answer = self._answers.get(timeout=left)
-                if answer["answer"] == number:
-                    return answer
-        return {"error": "it did not return in time"}
 
 
 def _watch_over(seconds: float) -> None:
