@@ -1,4 +1,4 @@
-"""What the notebooks of the course stand on: nodes in the background, processes, recordings, plots.
+"""The package that the notebooks of the course stand on; students import everything from here.
 
 Importing this package starts nothing and is quick; each name below is loaded when it is first used.
 """

@@ -1,4 +1,4 @@
-"""What public functions take: an argument that makes no sense is refused in one sentence before anything happens.
+"""Rules for the arguments of public functions: one that does not fit is refused before anything happens.
 
 @takes(timeout=WAIT, title=TEXT | None)
 def function(...): ...

@@ -1,4 +1,4 @@
-"""What takes long, and how far it is: whoever works or waits says so here, and what shows it listens. Pure: no Jupyter.
+"""Long tasks and how far they are: a worker reports here, and a progress bar listens. Pure: no Jupyter.
 
 A terminal has no listener, so nothing is shown there.
 """

@@ -1,4 +1,4 @@
-"""What grading found: of one exercise, of one student; as JSON and back. Pure: no ROS, no Jupyter."""
+"""The results of grading: of one exercise, of one student; as JSON and back. Pure: no ROS, no Jupyter."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What surrounds a node that runs as a program: ROS starts before it, and ends after it at a signal."""
+"""The main function of a node's program: ROS starts before the node, and ends after it at a signal."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a child process writes: read in a thread, cut into lines without a terminal's colours."""
+"""Reads the output of a child process in a thread, and cuts it into lines without a terminal's colours."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How a process ends in time, and what is left in shared memory by those that were killed."""
+"""Ends a process in time, and removes the shared memory of processes that were killed."""

@@ -1,4 +1,4 @@
-"""What killed processes leave in shared memory, half a megabyte each with Fast DDS: removed.
+"""Removes the shared memory that killed processes leave, half a megabyte each with Fast DDS.
 
 Only segments are, which no other process ever opens anew. Ports, which are small, are left to Fast DDS: one that is
 looked at while another process takes it into use is refused to that process.

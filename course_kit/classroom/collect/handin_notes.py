@@ -1,4 +1,4 @@
-"""What must be told about a hand-in: a line each, bounded, printable. Pure: no ROS."""
+"""Notes about a hand-in: a line each, bounded, printable. Pure: no ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What students have handed in, as learning systems export it; handin_names.py says how they name it. Pure: no ROS.
+"""Hand-ins of students, as learning systems export them; handin_names.py knows their names. Pure: no ROS.
 
 A folder or zip for each student, Moodle's and Canvas' downloads, nbgrader's `submitted`, and all of it mixed.
 """

@@ -1,4 +1,4 @@
-"""What grading says in the terminal: a line a student, a table of the class, the verdicts of one. Pure: no ROS."""
+"""The report of grading in the terminal: a line a student, a table of the class, verdicts. Pure: no ROS."""
 
 from __future__ import annotations
 

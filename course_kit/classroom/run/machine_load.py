@@ -1,4 +1,4 @@
-"""How much of a time span processes of this machine had to wait for a processor. Standard library only."""
+"""The share of a time span in which processes of this machine waited for a processor. Standard library only."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much memory processes use, and what lies in files of no disk. Needs no ROS."""
+"""The memory of processes, and of files without a disk. Needs no ROS."""
 
 from __future__ import annotations
 

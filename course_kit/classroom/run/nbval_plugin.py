@@ -1,4 +1,4 @@
-"""What nbval does in a grader: each check cell passes by the checker's verdict, and what was found is written down.
+"""A plugin of nbval for graders: a check cell passes by the checker's verdict, and findings are written down.
 
 `python -I -m pytest --nbval -p course_kit.classroom.run.nbval_plugin …` with the job's folder in COURSE_KIT_JOB. A line
 of JSON says what begins, and one what was found: should all of it be killed, it is known where. See job.py.

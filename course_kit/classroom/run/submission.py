@@ -1,4 +1,4 @@
-"""What of a hand-in is graded: the answers by exercise, and the workspace where the chapter on it takes one. Pure."""
+"""The graded part of a hand-in: answers by exercise, and the workspace where a chapter takes one. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the actions of a launch share: the values of arguments, the environment, event handlers and waiting events."""
+"""The state that the actions of a launch share: arguments, environment, event handlers and waiting events."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `ros2 launch` tells of a launch file without running it: its arguments, its entities as a tree."""
+"""Describes a launch file without running it: its arguments, its entities as a tree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a launch description is made of: entities, of which actions are those that do something."""
+"""The entities of a launch description; actions are those that do something."""
 
 from __future__ import annotations
 

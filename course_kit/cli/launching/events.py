@@ -1,4 +1,4 @@
-"""What happens during a launch: processes start, write and exit, timers fire, the launch shuts down."""
+"""The events of a launch: processes start, write and exit, timers fire, the launch shuts down."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a launch writes: the screen, launch.log, and log files of single processes."""
+"""The output of a launch: the screen, launch.log, and log files of single processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the tags of XML and YAML launch files stand for: the actions that a Python launch file would make."""
+"""The actions that tags of XML and YAML launch files stand for, as a Python launch file would make them."""
 
 from __future__ import annotations
 

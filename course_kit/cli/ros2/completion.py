@@ -1,4 +1,4 @@
-"""What Tab offers for the arguments of `ros2`: names from the graph, types from what is installed.
+"""Tab for the arguments of `ros2`: names from the graph, types from the installed packages.
 
 The completers are argcomplete's: they take the word begun and what was parsed so far. The shell and `%ros2` use the
 same ones.

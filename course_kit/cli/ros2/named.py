@@ -1,4 +1,4 @@
-"""What the graph knows by names and types, topics, services and actions alike: their arguments, list, type and find."""
+"""Verbs for everything that has a name and types, topics, services and actions: list, type and find."""
 
 from __future__ import annotations
 

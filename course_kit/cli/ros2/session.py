@@ -1,4 +1,4 @@
-"""What a verb works with: where it writes, its node, the graph, and when it has to end."""
+"""The session of a verb: its output, its node, the graph, and when it has to end."""
 
 from __future__ import annotations
 

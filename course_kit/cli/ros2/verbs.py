@@ -1,4 +1,4 @@
-"""What a verb of the `ros2` command is made of, and how it fails."""
+"""The parts of a verb of the `ros2` command: arguments, converters, failures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What checks say about actions: who offers one, how its goals go and end; and servers of the checker's own."""
+"""Assertions about actions: servers, goals and their ends; and servers and clients of the checker's own."""
 
 from __future__ import annotations
 

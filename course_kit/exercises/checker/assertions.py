@@ -1,4 +1,4 @@
-"""What every check is written in: the answer in the test domain, its node, its attributes, plain values.
+"""Assertions that every check needs: the answer in the test domain, its node, its attributes, plain values.
 
 Each expect_… notes one finding and returns whether it holds. If it has no points, it must hold for the check to go on.
 """

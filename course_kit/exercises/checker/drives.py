@@ -1,4 +1,4 @@
-"""How a turtle came where it has been: driven by commands, or put there. No ROS.
+"""Tells turtles that were driven by commands from turtles that were put somewhere. No ROS.
 
 Poses and commands are what was heard of them: when (nanoseconds since the epoch) and the message, oldest first.
 """

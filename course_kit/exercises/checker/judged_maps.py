@@ -1,4 +1,4 @@
-"""How right a map is, beside the true world and what the laser has seen; what may be wrong with it."""
+"""Compares a map with the true world and with the scans, and names the mistake of a wrong one."""
 
 from __future__ import annotations
 

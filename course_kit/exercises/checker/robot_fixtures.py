@@ -1,4 +1,4 @@
-"""What checks say about a robot: one in the test domain, where it truly is, what tf says of it, how it is driven.
+"""Fixtures and assertions about a robot: one in the test domain, its true place, its tf, how it is driven.
 
 Its time is simulated and stands nearly still for whoever is late, so what is judged are simulated seconds. MuJoCo and
 scipy take their time to be loaded, so they are, with the first robot.

@@ -1,4 +1,4 @@
-"""What checks say about services: who serves, what is answered, and when; and servers of the checker's own."""
+"""Assertions about services: servers, answers, times; and servers and clients of the checker's own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What checks say about nodes that the student runs, in the student's own domain."""
+"""Assertions about nodes that the student runs, in the student's own domain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is heard in the student's domain from a chapter's first check on.
+"""Records the topics of the student's domain from a chapter's first check on.
 
 A subscription alone makes its topic appear in every list of topics. So there is one only while a node of the
 student's has an end of the topic: what a notebook lists is what its nodes have.

@@ -1,4 +1,4 @@
-"""What checks say about topics: who publishes and subscribes, with which type and QoS, what comes, and how often."""
+"""Assertions about topics: publishers, subscriptions, types, QoS, messages, rates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the turtles of a checker's world draw: line by line, and what there is of a star. No ROS."""
+"""The lines that the turtles of a checker's world draw, and how much of a star is there. No ROS."""
 
 from __future__ import annotations
 

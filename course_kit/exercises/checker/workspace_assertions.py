@@ -1,4 +1,4 @@
-"""What checks say about a workspace: packages that are built, programs and launches that run, definitions of types.
+"""Assertions about a workspace: packages that are built, programs and launches that run, definitions of types.
 
 Programs are started as a student would in a terminal in which the workspace is sourced, but in the test domain. They
 end with the check. What a student wrote is read as data, and only from regular files.

@@ -1,4 +1,4 @@
-"""What a fault is: what the student is told, what is really wrong, and how the robot is started with it. Pure data."""
+"""A fault: its symptom, its cause, its hints, and how the robot is started with it. Pure data."""
 
 from __future__ import annotations
 

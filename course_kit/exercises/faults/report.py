@@ -1,4 +1,4 @@
-"""What the fault lab tells the student: text that is also true or false. Pure."""
+"""A report of the fault lab: text that is also true or false. Pure."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the checker's process gets from the one that starts it: a ROS 2, a domain, a home, and nothing that loads code.
+"""Makes the environment of the checker's process: a ROS 2, a domain, a home, and nothing that loads code.
 
 Standard library only. The notebook's own environment is as its cells have left it; what counts is what it began with.
 """

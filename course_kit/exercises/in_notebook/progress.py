@@ -1,4 +1,4 @@
-"""What a student has solved and tried: a file that outlives kernels, read and written as a whole. Pure: no ROS.
+"""The student's points and tries: a file that outlives kernels, read and written as a whole. Pure: no ROS.
 
 It lies where programs keep their state: $XDG_STATE_HOME, or ~/.local/state.
 """

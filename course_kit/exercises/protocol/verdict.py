@@ -1,4 +1,4 @@
-"""What a check found: findings, points, hints; as text, as HTML, as JSON. Pure: no ROS, no Jupyter."""
+"""The verdict of a check: findings, points, hints; as text, as HTML, as JSON. Pure: no ROS, no Jupyter."""
 
 from __future__ import annotations
 

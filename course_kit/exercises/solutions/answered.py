@@ -1,4 +1,4 @@
-"""What a student has answered so far, as the notebook and its workspace have it now. Pure: no ROS."""
+"""Reads the student's present answer from the notebook and its workspace. Pure: no ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How an answer differs from the solution: in words where the source says what it does with ROS, else line by line."""
+"""Differences between an answer and the solution: in ROS's words where the source shows them, else by lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a class does with ROS, as its source has it: endpoints with their QoS, timers, what it calls."""
+"""Reads from the source of a class how it uses ROS: endpoints with their QoS, timers, calls."""
 
 from __future__ import annotations
 

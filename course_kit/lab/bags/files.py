@@ -1,4 +1,4 @@
-"""What a bag holds, read from its files: also of one that was never closed, as far as it was written.
+"""Reads the content of a bag from its files: also of one that was never closed, as far as it was written.
 
 A bag is a folder with metadata.yaml and storage files (mcap or sqlite3), or one such file. Its recorder writes
 metadata.yaml and the index of an mcap file when it ends. Where it was killed instead, everything up to its last flush

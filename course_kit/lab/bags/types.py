@@ -1,4 +1,4 @@
-"""What a bag keeps of a message type beside its name: its whole definition and its hash, from the ament index."""
+"""The full definition and the hash of a message type, which a bag keeps, from the ament index."""
 
 from __future__ import annotations
 

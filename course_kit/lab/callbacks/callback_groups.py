@@ -1,4 +1,4 @@
-"""What a node has callbacks for, in which groups, and how many of them may run at the same time. Pure: no ROS."""
+"""The callbacks of a node by groups, and how many may run at the same time. Pure: no ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an action's client and server said to each other about a goal: the requests noted, and drawn row by row."""
+"""The conversation of an action's client and server about a goal: requests noted, and drawn row by row."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who sent what to whom, and when, as a picture: time runs down the page, to scale."""
+"""Calls as a sequence diagram: sender, receiver and time, which runs down the page, to scale."""
 
 from __future__ import annotations
 

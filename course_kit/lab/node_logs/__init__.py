@@ -1,1 +1,1 @@
-"""What nodes log: as it arrives, at which level, in which files."""
+"""Logs of nodes: lines as they arrive, rates by level, files."""

@@ -1,4 +1,4 @@
-"""What the nodes of this domain log, as it arrives over /rosout, and the errors of callbacks among it."""
+"""The log lines of this domain as they arrive over /rosout, and the errors of callbacks among them."""
 
 from __future__ import annotations
 

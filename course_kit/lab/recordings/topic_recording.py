@@ -1,4 +1,4 @@
-"""What was recorded of one topic, as arrays and as messages."""
+"""The recording of one topic, as arrays and as messages."""
 
 from __future__ import annotations
 

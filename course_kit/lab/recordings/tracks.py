@@ -1,4 +1,4 @@
-"""Where a robot was, which way it headed and how fast it moved, from messages that carry a pose. Pure numpy."""
+"""Tracks of a robot: place, heading and speed, from messages that carry a pose. Pure numpy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a node published while a bag went through it, and whether two versions of it published the same."""
+"""The messages that a node published while a bag went through it, and two versions of it compared."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What processes of nodes used over time, beside the rates of topics, as a picture."""
+"""The resources of nodes' processes over time, beside the rates of topics, as a picture."""
 
 from __future__ import annotations
 

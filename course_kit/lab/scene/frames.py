@@ -1,4 +1,4 @@
-"""Where frames are and were, as far as messages tell: by the rules of robots/tf, from the messages that are given.
+"""Places of frames over time, by the rules of robots/tf, from the messages that are given.
 
 Pure numpy, no ROS.
 """

@@ -1,4 +1,4 @@
-"""What plot_scene() is given, messages, topics and recordings, as messages; and what /tf says meanwhile."""
+"""The arguments of plot_scene(), messages, topics and recordings, as messages; and /tf meanwhile."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What messages say about the plane: scans, paths, maps and poses as points in one frame. Pure numpy, no ROS.
+"""Scans, paths, maps and poses as points of a plane, in one frame. Pure numpy, no ROS.
 
 Frames follow REP 103: x forward, y left, z up, angles counter-clockwise. A message lies in the frame of its header;
 messages that say where another frame is (Odometry, TransformStamped, TFMessage) make layers of both frames fit. What

@@ -1,4 +1,4 @@
-"""How late transforms come and how often, and what tf2_monitor prints of it. Pure, no ROS."""
+"""Delays and rates of transforms, as tf2_monitor prints them. Pure, no ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What tf2_echo takes and prints. Pure, no ROS."""
+"""The arguments and the output of tf2_echo. Pure, no ROS."""
 
 from __future__ import annotations
 

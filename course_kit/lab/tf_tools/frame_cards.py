@@ -1,4 +1,4 @@
-"""What stands in each box of a drawn tree of frames, which lines lead to it, and the same in words. Pure, no ROS."""
+"""The boxes of a drawn tree of frames, the lines to them, and the same in words. Pure, no ROS."""
 
 from __future__ import annotations
 

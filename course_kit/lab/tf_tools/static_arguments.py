@@ -1,4 +1,4 @@
-"""What static_transform_publisher takes: options, or the old row of numbers and names. Pure, no ROS."""
+"""The arguments of static_transform_publisher: options, or the old row of numbers and names. Pure, no ROS."""
 
 from __future__ import annotations
 

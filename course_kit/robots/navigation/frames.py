@@ -1,4 +1,4 @@
-"""What tf says, as places: where frames are, and where a laser was at the moment of a scan."""
+"""Places from tf: of frames, and of a laser at the moment of a scan."""
 
 from __future__ import annotations
 

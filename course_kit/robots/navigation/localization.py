@@ -1,4 +1,4 @@
-"""Where a robot is on a map that it has: a particle filter.
+"""Finds a robot's place on a map that it has: a particle filter.
 
 An example to read. Some hundreds of guesses, the particles, move as odometry says, each a little differently. A scan
 weighs them: seen from a good guess its hits lie on walls. Those that weigh little die, those that weigh much are

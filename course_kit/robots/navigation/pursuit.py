@@ -1,4 +1,4 @@
-"""How a robot follows a path: pure pursuit, a point ahead on the path is driven at on a circle.
+"""Follows a path by pure pursuit: the robot drives a circle to a point ahead on the path.
 
 An example to read. Seen from the robot, the circle that leads through a point at distance d and bearing b has the
 curvature 2 sin(b) / d: that times the speed is how fast to turn. No ROS: the node is Navigator.

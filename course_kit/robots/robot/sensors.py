@@ -1,4 +1,4 @@
-"""What the robot measures, as messages: wheels, odometry, IMU, laser. Types, frames and rates of a TurtleBot 3's."""
+"""The robot's sensors as messages: wheels, odometry, IMU, laser. Types, frames and rates of a TurtleBot 3's."""
 
 from __future__ import annotations
 

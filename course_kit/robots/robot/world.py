@@ -1,4 +1,4 @@
-"""What stands where the robot drives: walls and pillars seen from above, and how far they are. Pure numpy, no physics.
+"""Walls and pillars of a robot's world, seen from above, and how far they are. Pure numpy, no physics.
 
 The world's frame is `map`: x and y in m, angles in rad, counter-clockwise from x.
 """

@@ -1,4 +1,4 @@
-"""How objects of each type are transformed and converted. Packages such as tf2_geometry_msgs register what they can."""
+"""Registers how objects of a type are transformed and converted, as tf2_geometry_msgs and its like need it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where one frame is in another: a translation and a rotation, and what can be done with them.
+"""Rigid transforms, the place of one frame in another: composed, inverted, interpolated.
 
 The arithmetic is pytransform3d's, loaded when it is first used. Its TemporalTransformManager is not: it takes a whole
 series at once and cannot be added to, knows times as floats of seconds, which are 0.2 µs apart today, moves a frame

@@ -1,4 +1,4 @@
-"""What is drawn, told on hidden names: the original's topics tell poses, but no pens and no wiped trails.
+"""Reports the drawing on hidden names: the original's topics have poses, but no pens and no wiped trails.
 
 Whoever draws the field elsewhere listens to the topic `_drawing`, and asks the service `_trails` for what was drawn
 before. Both are beside those of the original and are no part of what programs may count on.

@@ -1,4 +1,4 @@
-"""What an error means in ROS's terms, and its cure, in one sentence: for boxes, checks and tracebacks alike."""
+"""The cause of an error in ROS's terms, and its cure, in one sentence: for boxes, checks and tracebacks alike."""
 
 from __future__ import annotations
 

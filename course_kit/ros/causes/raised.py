@@ -1,4 +1,4 @@
-"""What was raised, as the rules look at it."""
+"""An exception as the rules look at it."""
 
 from __future__ import annotations
 

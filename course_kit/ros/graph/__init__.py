@@ -1,1 +1,1 @@
-"""Who talks to whom: the graph as data, whether it is known, and as a picture."""
+"""The ROS graph: as data, if all of it is known, and as a picture."""

@@ -1,4 +1,4 @@
-"""What an action is made of, as a picture: the hidden services and topics between its clients and its server."""
+"""The hidden services and topics of an action, between its clients and its server, as a picture."""
 
 from __future__ import annotations
 

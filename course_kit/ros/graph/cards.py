@@ -1,4 +1,4 @@
-"""What stands in each box of a drawn graph, and which lines lead to it: names, types, QoS in words, what is wrong."""
+"""The boxes of a drawn graph, and the lines to them: names, types, QoS in words, faults."""
 
 from __future__ import annotations
 

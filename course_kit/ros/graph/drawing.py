@@ -1,4 +1,4 @@
-"""What pictures of graphs are drawn with: cards, lines between them, a heading, a legend."""
+"""The parts of pictures of graphs: cards, lines between them, a heading, a legend."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who talks to whom, as data: nodes, topics, services and actions that a node knows of, and their endpoints."""
+"""The graph as data: nodes, topics, services and actions that a node knows of, and their endpoints."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the student's nodes log, by the publisher that said it.
+"""The log of the student's nodes, by the publisher of each line.
 
 Names do not tell a node from the one of the same name that ran before it, and times do so only where both are seen to
 come and go. Each node has a publisher of its own for /rosout, and each line comes with the publisher's id.

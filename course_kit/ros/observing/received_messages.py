@@ -1,4 +1,4 @@
-"""What a checker's subscription has received: the messages that count, when they came and from whom."""
+"""The messages that a subscription of an observer has received: with the time and the publisher of each."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the course reads of Fast DDS: the ids of its endpoints, the ports of its participants, what they announce.
+"""Private parts of Fast DDS that the course reads: ids of endpoints, ports and announcements of participants.
 
 The ports are those of the RTPS specification, the announcement is rmw_dds_common's; who made an id is a habit of
 Fast DDS that each use tries on an id of its own process.

@@ -1,4 +1,4 @@
-"""What rclpy imports whether it is used or not: left out of a command, a third of whose time it would take.
+"""Leaves imports of rclpy out of a command that does not use them: a third of its time.
 
 Without these `ros2` does what it does with them. Pure: imports no ROS.
 """

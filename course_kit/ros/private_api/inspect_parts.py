@@ -1,4 +1,4 @@
-"""What Python's inspect knows of files and modules. rclpy looks up its caller by it at each line that is logged."""
+"""Files and modules as Python's inspect knows them. rclpy looks its caller up there at each logged line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the course uses of rclpy's actions beside their public interface: what a client awaits, how goals are executed.
+"""Private parts of rclpy's actions: the futures that a client awaits, and how goals are executed.
 
 `rclpy.action` is loaded only where an action is already in use: it brings numpy, a tenth of a second of each start.
 """

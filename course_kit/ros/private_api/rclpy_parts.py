@@ -1,4 +1,4 @@
-"""What the course uses of rclpy beside its public interface.
+"""Private parts of rclpy that the course uses.
 
 These are functions that are replaced, the requests that a client waits for, and an executor that rclpy calls
 experimental. Actions and serialised messages have modules of their own.

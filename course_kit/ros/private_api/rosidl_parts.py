@@ -1,4 +1,4 @@
-"""What the course uses of the message classes that rosidl generates, beside their fields."""
+"""Private parts of the message classes that rosidl generates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What went wrong in callbacks: kept, counted and described, as data."""
+"""Errors of callbacks: kept, counted and described, as data."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What watches topics without being in a student's way: a hidden node, its threads, raw subscriptions."""
+"""Subscriptions that are in no student's way: a hidden node, its threads, raw messages."""

@@ -1,4 +1,4 @@
-"""What `colcon build` writes, line by line: which packages are built, which failed, and the lines that say why."""
+"""Reads the output of `colcon build` line by line: packages that are built or failed, and why."""
 
 from __future__ import annotations
 

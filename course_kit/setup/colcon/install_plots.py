@@ -1,4 +1,4 @@
-"""What a build has installed of a package, as a picture: which file became which, and who looks for it there."""
+"""The installed files of a package as a picture: each with its source, and who looks for it there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What sourcing a colcon workspace adds to an environment, read as data: no script of the workspace is run.
+"""The environment of a sourced colcon workspace, read as data: no script of the workspace is run.
 
 colcon and ament write each entry into a .dsv file beside the shell script that does the same. Only what lies in the
 workspace is taken, and it comes behind what is there already: it takes the place of nothing.

@@ -1,4 +1,4 @@
-"""What `source install/setup.bash` does to an environment, as data."""
+"""The effect of `source install/setup.bash` on an environment, as data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a machine must have for the course, looked at one check a function.
+"""The environment of the course: checks of the machine, pinned packages, and set-up.
 
 This package is part of every start of Python in the course's environment, so importing it loads nothing.
 """

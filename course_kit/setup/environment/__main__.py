@@ -1,4 +1,4 @@
-"""What environment-check.sh prints once it has found a Python.
+"""The output of environment-check.sh once it has found a Python.
 
 python -m course_kit.setup.environment [--json] STATE     STATE is that of .venv, as stamp.py says it
 python -m course_kit.setup.environment --before-set-up    only what makes set-up vain, if there is anything

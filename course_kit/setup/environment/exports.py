@@ -1,4 +1,4 @@
-"""What a shell has to export to be in the course's environment: printed for `eval`, by local_setup.sh.
+"""The exports that put a shell into the course's environment: printed for `eval`, by local_setup.sh.
 
 python -m course_kit.setup.environment.exports
 """

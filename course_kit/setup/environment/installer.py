@@ -1,4 +1,4 @@
-"""What pip is told here about the network, for uv, which reads no pip.conf: package index, proxy, certificates.
+"""pip's settings for the network, for uv, which reads no pip.conf: package index, proxy, certificates.
 
     python -m course_kit.setup.environment.installer < pip config list
 

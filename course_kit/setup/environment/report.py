@@ -1,4 +1,4 @@
-"""What the checks found: as a table for terminals, as HTML for notebooks and as JSON for programs."""
+"""The report of the checks: as a table for terminals, as HTML for notebooks and as JSON for programs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What happens at `pip install`: dependencies from the lock, and ROS packages that no wheel brings in the course's."""
+"""The build at `pip install`: dependencies from the lock, and ROS packages that no wheel brings."""
 
 from __future__ import annotations
 

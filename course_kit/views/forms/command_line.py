@@ -1,4 +1,4 @@
-"""What a form sends, as a `ros2` command. Imports no ROS itself."""
+"""The values of a form as a `ros2` command. Imports no ROS itself."""
 
 from __future__ import annotations
 

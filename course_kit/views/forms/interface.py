@@ -1,4 +1,4 @@
-"""What a form is for: a topic, a service or an action by name, with its type. Pure: imports no ROS itself."""
+"""The interface that a form is for: a topic, a service or an action by name, with its type. Imports no ROS itself."""
 
 from __future__ import annotations
 

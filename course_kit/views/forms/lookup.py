@@ -1,4 +1,4 @@
-"""What a name stands for in the graph, a topic, a service or an action, and with which type."""
+"""Looks a name up in the graph: a topic, a service or an action, and its type."""
 
 from __future__ import annotations
 

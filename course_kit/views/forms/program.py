@@ -1,4 +1,4 @@
-"""What a form sends, as a program of plain rclpy, for a file or a cell. Imports no ROS itself."""
+"""The values of a form as a program of plain rclpy, for a file or a cell. Imports no ROS itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What sends a form's values: how it goes, and what each kind of sender has in common."""
+"""The base of the senders of a form: their state, and the parts that all kinds have in common."""
 
 from __future__ import annotations
 

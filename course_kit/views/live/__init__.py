@@ -1,1 +1,1 @@
-"""What the course shows inside a notebook: the only part of course_kit that imports Jupyter."""
+"""The live views of a notebook: the only part of course_kit that imports Jupyter, beside check() and `%ros2`."""

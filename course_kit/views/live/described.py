@@ -1,4 +1,4 @@
-"""Whatever a cell shows as a picture has its alternative text beside it: as plain text, and as metadata of the picture.
+"""Puts an alternative text beside each picture of a cell: as plain text, and as metadata of the picture.
 
 A picture tells its text itself: a figure by what is drawn in it, an image by the `Description` of PNG in its `info`.
 """

@@ -1,4 +1,4 @@
-"""What a kernel does at its start: rclpy is made safe, errors say their cause, nodes have consoles, waits a bar."""
+"""Prepares a kernel at its start: rclpy is made safe, errors say their cause, nodes have consoles, waits a bar."""
 
 from __future__ import annotations
 

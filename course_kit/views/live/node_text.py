@@ -1,4 +1,4 @@
-"""What a cell shows of a node that is its result, as run() returns one: its name, and whether it runs."""
+"""Shows a node that is the result of a cell, as run() returns one: its name, and if it runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a browser draws of a world and its robots, layer by layer, and which of them are new. No ROS, no Jupyter."""
+"""The layers of a world with robots that a browser draws, and which of them are new. No ROS, no Jupyter."""
 
 from __future__ import annotations
 

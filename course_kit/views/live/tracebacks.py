@@ -1,4 +1,4 @@
-"""What a cell shows of an error: the student's frames alone, and below it the cause and the cure."""
+"""Shows an error in a cell: the student's frames alone, and below them the cause and the cure."""
 
 from __future__ import annotations
 

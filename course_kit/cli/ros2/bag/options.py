@@ -1,4 +1,4 @@
-"""What the verbs of `ros2 bag` have in common: arguments, how they fail, what they say of a bag."""
+"""The options that verbs of `ros2 bag` share, and how they fail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `ros2 bag info` prints, from data."""
+"""The output of `ros2 bag info`, from data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `ros2 doctor` finds wrong, from data: network, packages, platform, QoS and topics."""
+"""The checks of `ros2 doctor`, from data: network, packages, platform, QoS and topics."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Tab offers inside the YAML of a message that is being typed: fields, first values, brackets.
+"""Tab inside the YAML of a message that is being typed: fields, first values, brackets.
 
 From the definitions, as the Python classes of most packages import NumPy, which takes longer than all else.
 

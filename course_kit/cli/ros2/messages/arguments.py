@@ -1,4 +1,4 @@
-"""What a command line says of a message, checked: its type, the name it goes to, its values as YAML."""
+"""A message on a command line, checked: its type, the name it goes to, its values as YAML."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `ros2 pkg create` makes: the folders and files of a new package, in the order in which they are announced."""
+"""Creates a package for `ros2 pkg create`: its folders and files, in the order in which they are announced."""
 
 from __future__ import annotations
 

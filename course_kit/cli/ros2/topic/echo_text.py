@@ -1,4 +1,4 @@
-"""What `ros2 topic echo` prints of a message: a field of it, YAML or values with commas, what is said about losses."""
+"""The output of `ros2 topic echo`: a field of a message, YAML or values with commas, lost messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the verbs of `ros2 topic` share: a topic's full name and type, the QoS options and what they stand for."""
+"""The parts that verbs of `ros2 topic` share: a topic's full name and type, and the QoS options."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `ros2 topic hz`, `bw` and `delay` print. Imports no ROS."""
+"""The output of `ros2 topic hz`, `bw` and `delay`. Imports no ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every kernel of the course's environment has from its start, `%ros2` and `%progress` among it."""
+"""The extensions of every kernel of the course's environment, `%ros2` and `%progress` among them."""
 
 c = get_config()  # type: ignore[name-defined] # noqa: F821
 c.InteractiveShellApp.extensions.extend(

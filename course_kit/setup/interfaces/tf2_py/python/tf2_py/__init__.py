@@ -1,4 +1,4 @@
-"""Where frames are in each other, and were: tf2 for Python. The course's; course_kit.robots.tf does the work."""
+"""tf2 for Python: places of frames over time. The course's; course_kit.robots.tf does the work."""
 
 from course_kit.robots.tf.core import BufferCore
 from course_kit.robots.tf.errors import (

@@ -1,4 +1,4 @@
-"""What transforms objects of registered types."""
+"""Transforms objects of registered types."""
 
 from course_kit.robots.tf.buffer_interface import BufferInterface
 from course_kit.robots.tf.registration import (
