@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from course_kit.cli.launching import substitution_texts, tag_actions
+from course_kit.cli.launching import substitution_texts, xml_and_yaml_actions
 from tests.ros2_launches import Prefix, RunningGroup
 
 SURVEY = yaml.safe_load((Path(__file__).parent / "launch_survey.yaml").read_text())
@@ -36,7 +36,7 @@ def test_many_packages_were_looked_at() -> None:
 
 
 def test_tags_and_substitutions_of_many_packages_are_known() -> None:
-    assert {f"<{name}>" for name in words("<(.*)>") - set(tag_actions._MAKE)} == REFUSED & {"<node_container>"}
+    assert {f"<{name}>" for name in words("<(.*)>") - set(xml_and_yaml_actions._MAKE)} == REFUSED & {"<node_container>"}
     assert {"var", "env"} < words(r"\$\((.*)\)") <= set(substitution_texts._KNOWN)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from course_kit.cli.ros2.topic.rates_text import hz_table
+from course_kit.cli.ros2.topic.hz_bw_delay_text import hz_table
 from course_kit.lab.recordings.rate_statistics import measure
 from tests.domains import own_domain
 from tests.ros2_command import program, ros2

@@ -57,7 +57,7 @@ def test_no_arrays_are_loaded_where_there_are_none(words):
     [
         ("topic list", set()),
         ("topic echo", {"topic.echo"}),
-        ("topic hz", {"topic.rates"}),
+        ("topic hz", {"topic.hz_bw_delay"}),
         ("service type", set()),
         ("service call", {"service.call"}),
         ("action send_goal", {"action.send_goal"}),
@@ -68,7 +68,7 @@ def test_no_arrays_are_loaded_where_there_are_none(words):
 )
 def test_a_verb_loads_no_other_verb(words, verbs):
     of_verbs = {"action.send_goal", "bag.play", "bag.record", "doctor.hello", "service.call", "service.echo"}
-    of_verbs |= {"service.info", "topic.echo", "topic.pub", "topic.rates"}
+    of_verbs |= {"service.info", "topic.echo", "topic.pub", "topic.hz_bw_delay"}
     code = (
         f"import sys\nfrom course_kit.cli.ros2 import command\ncommand.parser_for({words.split()})\nprint(*sys.modules)"
     )

@@ -28,7 +28,7 @@ from tf2_ros import (
     TransformException,
 )
 
-from course_kit.robots.tf.link import Link, Sample
+from course_kit.robots.tf.link_history import Link, Sample
 from course_kit.robots.tf.rigid_transforms import IDENTITY
 from course_kit.ros.causes import cause_of
 from tests.transforms import at, place, stamp

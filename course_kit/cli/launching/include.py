@@ -83,10 +83,10 @@ def _format(path: str, extension: str) -> str:
 
 def _load_tags(path: str, kind: str) -> LaunchDescription:
     # Loaded here, because tags include launch files, too.
-    from course_kit.cli.launching import tag_actions, tags
+    from course_kit.cli.launching import xml_and_yaml, xml_and_yaml_actions
 
-    read = tags.xml_tag if kind == "xml" else tags.yaml_tag
-    return tag_actions.description_of(read(Path(path).read_bytes()))
+    read = xml_and_yaml.xml_tag if kind == "xml" else xml_and_yaml.yaml_tag
+    return xml_and_yaml_actions.description_of(read(Path(path).read_bytes()))
 
 
 class LaunchDescriptionSource:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from course_kit.robots.tf.chain import chain_between
 from course_kit.robots.tf.errors import TransformException
-from course_kit.robots.tf.link import NEVER, Found, Link, Sample
+from course_kit.robots.tf.link_history import NEVER, Found, Link, Sample
 from course_kit.robots.tf.rigid_transforms import RigidTransform
 from course_kit.robots.tf.tree import Tree
 

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from course_kit.lab.scene.frames import Frames, stamp_of
-from course_kit.robots.tf.link import NEVER
+from course_kit.robots.tf.link_history import NEVER
 
 Float64s = npt.NDArray[np.float64]
 NEAR = 100_000_000  # ns beyond what is known of a frame, from which it is said

@@ -9,7 +9,7 @@ from builtin_interfaces.msg import Time as TimeMessage
 from geometry_msgs.msg import Quaternion, Transform, TransformStamped, Vector3
 from rclpy.time import Time
 
-from course_kit.robots.tf.link import Sample
+from course_kit.robots.tf.link_history import Sample
 from course_kit.robots.tf.rigid_transforms import Floats, RigidTransform
 
 SECOND = 10**9  # ns

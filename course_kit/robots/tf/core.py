@@ -13,7 +13,7 @@ from rclpy.time import Time
 from course_kit.robots.tf import refusals
 from course_kit.robots.tf.conversions import nanoseconds, sample, time_of, transform_stamped
 from course_kit.robots.tf.errors import TransformException
-from course_kit.robots.tf.link import Link, seconds
+from course_kit.robots.tf.link_history import Link, seconds
 from course_kit.robots.tf.tree import CACHE_TIME, Tree
 
 SHORTEST = 100_000  # ns; the rate of a link is never told over less

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from course_kit.robots.tf.link import Sample, seconds
+from course_kit.robots.tf.link_history import Sample, seconds
 
 TOLERANCE = 0.01  # of the square of a quaternion's length
 EXPLAINED = "Possible reasons are listed at http://wiki.ros.org/tf/Errors%20explained"

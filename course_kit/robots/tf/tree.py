@@ -13,7 +13,7 @@ from course_kit.robots.tf.errors import (
     LookupException,
     TransformException,
 )
-from course_kit.robots.tf.link import NEVER, Found, Link, NotFound, Sample
+from course_kit.robots.tf.link_history import NEVER, Found, Link, NotFound, Sample
 from course_kit.robots.tf.rigid_transforms import IDENTITY, RigidTransform
 
 CACHE_TIME = 10 * 10**9  # ns

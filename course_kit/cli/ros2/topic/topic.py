@@ -46,10 +46,10 @@ def _info(args: Namespace, session: Session) -> None:
 
 VERBS: dict[str, Verb | str] = {
     **_SHARED,
-    "bw": "topic.rates:BW",
-    "delay": "topic.rates:DELAY",
+    "bw": "topic.hz_bw_delay:BW",
+    "delay": "topic.hz_bw_delay:DELAY",
     "echo": "topic.echo:ECHO",
-    "hz": "topic.rates:HZ",
+    "hz": "topic.hz_bw_delay:HZ",
     "info": Verb(
         "show the type of a topic, and the number of its publishers and subscriptions",
         _info,

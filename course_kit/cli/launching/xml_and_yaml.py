@@ -1,4 +1,4 @@
-"""Tags, of which XML and YAML launch files are made: read from either, they are alike."""
+"""Reads XML and YAML launch files as tags, which are alike for both."""
 
 from __future__ import annotations
 

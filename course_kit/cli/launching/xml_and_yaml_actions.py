@@ -15,8 +15,8 @@ from course_kit.cli.launching.node import Node, PushROSNamespace, SetParameter, 
 from course_kit.cli.launching.process import ExecuteProcess
 from course_kit.cli.launching.substitution_texts import Texts, command_line, parsed
 from course_kit.cli.launching.substitutions import TextSubstitution
-from course_kit.cli.launching.tags import Tag
 from course_kit.cli.launching.uncovered import not_covered
+from course_kit.cli.launching.xml_and_yaml import Tag
 
 Options = dict[str, Any]
 _UNCOVERED = (

@@ -1,4 +1,4 @@
-"""One frame in its parent, sample by sample: what is known of it, and from when to when. No ROS."""
+"""The history of one frame in its parent: samples over time, and the place between two of them. No ROS."""
 
 from __future__ import annotations
 

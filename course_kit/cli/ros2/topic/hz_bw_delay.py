@@ -17,7 +17,7 @@ from course_kit.cli.ros2.completion import names_of
 from course_kit.cli.ros2.session import Session
 from course_kit.cli.ros2.topic import clock, endpoints
 from course_kit.cli.ros2.topic.clock import Clock
-from course_kit.cli.ros2.topic.rates_text import bw_text, hz_table, hz_text, seconds_text
+from course_kit.cli.ros2.topic.hz_bw_delay_text import bw_text, hz_table, hz_text, seconds_text
 from course_kit.cli.ros2.verbs import (
     NODE,
     Arguments,
